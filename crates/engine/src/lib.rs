@@ -1,0 +1,6 @@
+//! The runglight engine: learns how a PLC-controlled machine normally behaves from its inputs and
+//! outputs, and finds what departs from it.
+//!
+//! Pure computation on columns: no Python, no sockets, no files of its own accord.
+
+pub mod log;

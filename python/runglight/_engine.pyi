@@ -1,0 +1,100 @@
+"""The compiled engine. Arrow in, Arrow out; the GIL is released while it works.
+
+Every object with `__arrow_c_stream__` can be handed to pyarrow, polars, pandas or DuckDB.
+Times are int64 nanoseconds since the Unix epoch, UTC.
+"""
+
+from collections.abc import Sequence
+from typing import Any
+
+__version__: str
+
+class RunglightError(Exception):
+    """Base of everything the engine raises; its text is one sentence for the user."""
+
+class InputError(RunglightError):
+    """A log, table or parameter cannot be used: names the file, the row and the mend."""
+
+class ModelError(RunglightError):
+    """A model directory is missing, older than this version, or damaged."""
+
+class ChangeLog:
+    """A change log in memory: `time`, `signal`, `value`, with its gaps and scan interval."""
+
+    @staticmethod
+    def from_arrow(table: Any, reorder_s: float = 1.0) -> ChangeLog:
+        """From anything with `__arrow_c_stream__`: columns `time`, `signal`, `value`."""
+    def __len__(self) -> int: ...
+    def __arrow_c_stream__(self, requested_schema: object | None = None) -> object: ...
+    @property
+    def signals(self) -> list[str]: ...
+    @property
+    def start_ns(self) -> int | None: ...
+    @property
+    def end_ns(self) -> int | None: ...
+    @property
+    def scan_interval_ns(self) -> int | None: ...
+    @property
+    def gaps(self) -> list[tuple[int, int]]: ...
+    @property
+    def report_json(self) -> str:
+        """What reading did: `{format, rows, bad_rows, bad: [{row, reason}], left_out: [{column, reason}], notes: []}`."""
+    def slice(self, offset: int, length: int | None = None) -> ChangeLog: ...
+    def columns(self) -> tuple[Any, Any, Any]:
+        """`(time_ns int64, signal index uint32, value int64)` as numpy arrays."""
+
+def log_from_columns(
+    time_ns: Any, signal_index: Any, value: Any, signals: Sequence[str], scan_interval_ns: int | None = None
+) -> ChangeLog:
+    """From three numpy arrays (int64, uint32, int64) and the names the indices stand for."""
+
+def read_log(path: str, options_json: str = "{}") -> ChangeLog:
+    """Reads CSV, Parquet, XES or VCD; options as in `runglight.log.ReadOptions`. Raises InputError."""
+
+def write_log(log: ChangeLog, path: str, format: str | None = None) -> int:
+    """Writes a log (format by name or by the file's ending); returns rows written. Raises InputError."""
+
+class Findings:
+    """Findings in the order they were made."""
+
+    def __len__(self) -> int: ...
+    def __arrow_c_stream__(self, requested_schema: object | None = None) -> object: ...
+    def json_lines(self) -> list[str]:
+        """One JSON text per finding, as the published schema describes it."""
+
+class Monitor:
+    """Watches one plant; every split of a log into batches gives the same findings."""
+
+    def observe(self, batch: Any) -> Findings:
+        """Takes a ChangeLog or an Arrow table of changes in time order."""
+    def gap(self, start_ns: int, end_ns: int) -> Findings:
+        """Nothing was recorded between two times: resynchronise instead of alarming."""
+    def advance(self, now_ns: int) -> Findings:
+        """Time went on without a change: closes the running scan, finds stalls."""
+    def finish(self) -> Findings:
+        """The log has ended: closes the running scan; open alarm paths stay `suspected`."""
+    def state(self) -> bytes: ...
+    def take_snapshots(self) -> list[str]:
+        """Snapshots made since the last call, JSON: `{id, time, devices: {...}, groups: {...}}`."""
+
+class NominalModel:
+    """What was learned of a plant."""
+
+    def rules(self) -> Any:
+        """The transition rules, an object with `__arrow_c_stream__` (columns of `rules.parquet`)."""
+    def save(self, directory: str) -> None: ...
+    def summary_json(self) -> str:
+        """`{created, format, timing, signals, devices, groups, rules, events, duration_s, scan_interval_s, unnamed: [...], group_list: [{group, start, devices: [{device, start, signals, rules}]}]}`."""
+    def dot(self, group: str, device: str | None = None) -> str:
+        """Graphviz text of one device's model, or of the group's where `device` is None."""
+    def symbols_csv(self) -> str:
+        """The symbol table in force, as `symbols.csv`."""
+    def monitor(self, state: bytes | None = None) -> Monitor: ...
+    def confirm(self, finding_json: str) -> int:
+        """Folds a finding's path into the model; returns the number of new transitions."""
+
+def learn(logs: Sequence[ChangeLog], symbols_csv: str | None = None, parameters_json: str = "{}") -> NominalModel:
+    """Learns from fault-free logs. `symbols_csv` is the text of a symbol table."""
+
+def load_model(directory: str) -> NominalModel: ...
+def finding_json_schema() -> str: ...
