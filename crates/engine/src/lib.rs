@@ -3,4 +3,11 @@
 //!
 //! Pure computation on columns: no Python, no sockets, no files of its own accord.
 
+pub mod finding;
 pub mod log;
+pub mod naming;
+pub mod plant;
+pub mod signal_state;
+pub mod stem;
+pub mod symbols;
+pub mod timing;

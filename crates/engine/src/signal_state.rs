@@ -1,0 +1,21 @@
+//! Signal-state models (Ghosh 2016): per device and group a Markov chain of signal-states with
+//! clustered transition times, learned from logs and watched in real time.
+
+pub mod budget;
+pub mod chains;
+pub mod check;
+pub mod confirm;
+pub mod dispersion;
+pub mod dot;
+pub mod events;
+pub mod evidence;
+pub mod incident;
+pub mod learn;
+pub mod message;
+pub mod model;
+pub mod monitor;
+pub mod order;
+pub mod parameters;
+pub mod rules;
+pub mod snapshot;
+pub mod states;

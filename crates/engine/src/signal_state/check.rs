@@ -1,0 +1,229 @@
+//! The three periodic checks (Ghosh 2016, section 2.6): transition probabilities, transition time
+//! probabilities and average transition times, held against the model every so many group cycles,
+//! in the order of the complete transition sequence, since what comes first has an effect on what
+//! follows.
+//!
+//! `plat` reports every change beyond the significant one. `adaptive` also asks whether chance
+//! explains it: the standardised difference, with the dispersion learned for that very share or
+//! mean, must be as rare as the budget demands.
+
+use crate::finding::Kind;
+use crate::log::SECOND;
+use crate::timing::limits::{BODY_INSTANCES, plat_allowance_s};
+use crate::timing::TimeCluster;
+
+use super::chains::ChainKind;
+use super::model::NominalModel;
+use super::parameters::Timing;
+use super::rules::row_of;
+
+/// Counters since the last check.
+pub struct Window<'a> {
+    /// Per rule.
+    pub counts: &'a [u32],
+    /// Per cluster.
+    pub cluster_counts: &'a [u32],
+    /// Per cluster, in seconds.
+    pub cluster_sums_s: &'a [f64],
+    /// First cluster of each rule, and one past the last.
+    pub cluster_start: &'a [u32],
+}
+
+impl Window<'_> {
+    fn clusters(&self, rule: usize) -> std::ops::Range<usize> {
+        self.cluster_start[rule] as usize..self.cluster_start[rule + 1] as usize
+    }
+}
+
+/// One share or average that has changed.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Departure {
+    /// Which check.
+    pub kind: Kind,
+    /// The rule it is about.
+    pub rule: usize,
+    /// Observed share, or average in seconds.
+    pub observed: f64,
+    /// Learned share, or average in seconds.
+    pub learned: f64,
+    /// Observed shares of all branches or clusters, in the model's order; empty for averages.
+    pub observed_shares: Vec<f64>,
+    /// The learned shares beside them.
+    pub learned_shares: Vec<f64>,
+}
+
+/// Fewer observations than this in a window prove nothing in `adaptive`.
+const OBSERVATIONS_AT_LEAST: u32 = 5;
+
+/// All departures of a group, causes first.
+pub fn departures(model: &NominalModel, group: usize, window: &Window<'_>) -> Vec<Departure> {
+    let mut rules: Vec<usize> = (0..model.rules.len())
+        .filter(|&rule| model.chains.group_of(model.rules[rule].chain) == group)
+        .collect();
+    rules.sort_by_key(|&rule| model.rules[rule].sequence);
+    let mut found = Vec::new();
+    for rule in rules {
+        found.extend(branch(model, rule, window));
+        found.extend(times(model, rule, window));
+        found.extend(average(model, rule, window));
+    }
+    found
+}
+
+/// The branches out of a state, reported once, at the first of them.
+fn branch(model: &NominalModel, rule: usize, window: &Window<'_>) -> Option<Departure> {
+    let kind: ChainKind = model.chains.kind(model.rules[rule].chain);
+    let row = model.table.row(row_of(model.rules[rule].current, kind));
+    let first = row.clone().min_by_key(|&r| model.rules[r].sequence)?;
+    let total: u32 = row.clone().map(|r| window.counts[r]).sum();
+    if first != rule || total == 0 || row.len() < 2 {
+        return None;
+    }
+    let learned_total: u64 = row.clone().map(|r| model.rules[r].count).sum();
+    let share = |r: usize| f64::from(window.counts[r]) / f64::from(total);
+    let changed = row
+        .clone()
+        .filter(|&r| {
+            let learned = &model.rules[r];
+            share_changed(
+                model,
+                (window.counts[r], total),
+                (learned.probability, learned_total),
+                learned.dispersion,
+            )
+        })
+        .max_by(|&a, &b| {
+            let change = |r: usize| (share(r) - model.rules[r].probability).abs();
+            change(a).total_cmp(&change(b))
+        })?;
+    Some(Departure {
+        kind: Kind::TransitionProbability,
+        rule: changed,
+        observed: share(changed),
+        learned: model.rules[changed].probability,
+        observed_shares: row.clone().map(share).collect(),
+        learned_shares: row.map(|r| model.rules[r].probability).collect(),
+    })
+}
+
+/// The several times of one transition.
+fn times(model: &NominalModel, rule: usize, window: &Window<'_>) -> Option<Departure> {
+    let clusters = &model.rules[rule].clusters;
+    let counts = &window.cluster_counts[window.clusters(rule)];
+    let total: u32 = counts.iter().sum();
+    if clusters.len() < 2 || total == 0 {
+        return None;
+    }
+    let changed = clusters.iter().zip(counts).any(|(cluster, &count)| {
+        share_changed(
+            model,
+            (count, total),
+            (cluster.probability, model.rules[rule].count),
+            cluster.dispersion,
+        )
+    });
+    let observed_shares: Vec<f64> =
+        counts.iter().map(|&count| f64::from(count) / f64::from(total)).collect();
+    changed.then(|| Departure {
+        kind: Kind::TimeProbability,
+        rule,
+        observed: observed_shares[0],
+        learned: clusters[0].probability,
+        observed_shares,
+        learned_shares: clusters.iter().map(|c| c.probability).collect(),
+    })
+}
+
+fn average(model: &NominalModel, rule: usize, window: &Window<'_>) -> Option<Departure> {
+    let range = window.clusters(rule);
+    let counts = &window.cluster_counts[range.clone()];
+    let sums = &window.cluster_sums_s[range];
+    let single = model.rules[rule].clusters.len() == 1;
+    model.rules[rule].clusters.iter().zip(counts.iter().zip(sums)).find_map(
+        |(cluster, (&count, &sum))| {
+            if count == 0 {
+                return None;
+            }
+            let observed = sum / f64::from(count);
+            mean_changed(model, cluster, observed, count, single).then(|| Departure {
+                kind: Kind::AverageTime,
+                rule,
+                observed,
+                learned: cluster.average_s,
+                observed_shares: Vec::new(),
+                learned_shares: Vec::new(),
+            })
+        },
+    )
+}
+
+fn share_changed(
+    model: &NominalModel,
+    (count, total): (u32, u32),
+    (learned, learned_total): (f64, u64),
+    dispersion: f64,
+) -> bool {
+    let observed = f64::from(count) / f64::from(total);
+    let change = (observed - learned).abs();
+    if change <= model.parameters.significant_change {
+        return false;
+    }
+    if model.parameters.timing == Timing::Plat {
+        return true;
+    }
+    if total < OBSERVATIONS_AT_LEAST {
+        return false;
+    }
+    let (n, n0) = (f64::from(total), learned_total as f64);
+    // Pooled share under "nothing has changed", with one pseudo-count on either side.
+    let pooled = (f64::from(count) + learned * n0 + 1.0) / (n + n0 + 2.0);
+    let variance = dispersion * pooled * (1.0 - pooled) * (1.0 / n + 1.0 / n0);
+    let continuity = 0.5 / n;
+    two_sided((change - continuity).max(0.0) / variance.sqrt(), n + n0 - 2.0)
+        <= model.budget.per_check
+}
+
+fn mean_changed(
+    model: &NominalModel,
+    cluster: &TimeCluster,
+    observed: f64,
+    count: u32,
+    single: bool,
+) -> bool {
+    let change = (observed - cluster.average_s).abs();
+    if model.parameters.timing == Timing::Plat {
+        return change > plat_allowance_s(cluster.average_s);
+    }
+    let resolution = model.learned.resolution as f64 / SECOND as f64;
+    let relevant = (model.parameters.significant_change * cluster.average_s).max(3.0 * resolution);
+    if change <= relevant || count < OBSERVATIONS_AT_LEAST || cluster.instances < BODY_INSTANCES {
+        return false;
+    }
+    // The scales are mean absolute deviations; √(π/2) of one is the deviation of a normal law.
+    let deviation = 1.2533 * 0.5 * (cluster.late_scale_s + cluster.early_scale_s);
+    let dispersion = if single { cluster.dispersion } else { 1.0 };
+    let n0 = cluster.instances as f64;
+    let error = deviation.max(resolution)
+        * (dispersion * (1.0 / f64::from(count) + 1.0 / n0)).sqrt();
+    two_sided(change / error, n0 - 1.0) <= model.budget.per_check
+}
+
+/// Two-sided tail of Student's t by Wallace's normal approximation (1959).
+fn two_sided(t: f64, degrees: f64) -> f64 {
+    let degrees = degrees.max(1.0);
+    let shrunk = (degrees * (t * t / degrees).ln_1p()).sqrt() * (8.0 * degrees + 1.0)
+        / (8.0 * degrees + 3.0);
+    libm::erfc(shrunk / std::f64::consts::SQRT_2)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::two_sided;
+
+    #[test]
+    fn tails_are_those_of_the_tables() {
+        // t = 2.093 at 19 degrees is the 5 % point, 1.96 that of the normal law.
+        assert!((two_sided(2.093, 19.0) - 0.05).abs() < 1e-3);
+        assert!((two_sided(1.96, 1e9) - 0.05).abs() < 1e-3);
+    }
+}

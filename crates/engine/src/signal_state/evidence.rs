@@ -1,0 +1,111 @@
+//! What an alarm rests on: how probable the unseen is on a healthy machine.
+//!
+//! Good-Turing: after `n` draws of which `s` kinds were seen once, the next draw is of an unseen
+//! kind with probability `s/n`. A state left once or rarely makes the unknown unsurprising. States
+//! with little data of their own borrow from their chain, and chains from all chains of their
+//! kind, each level weighing one draw:
+//! `θ(state) = (s + θ(chain)) / (n + 1)`, `θ(chain) = (S + θ(plant)) / (N + 1)`, …
+//! The same mass over *rare* time clusters says how probable an odd time is.
+
+use crate::timing::limits::BODY_INSTANCES;
+
+use super::chains::{ChainKind, Chains};
+use super::rules::{Rule, RuleTable, row_of};
+use super::states::StateId;
+
+/// Seen-once kinds out of draws.
+#[derive(Debug, Clone, Copy, Default)]
+struct Tally {
+    once: f64,
+    draws: f64,
+}
+
+impl Tally {
+    fn unseen(self, from_above: f64) -> f64 {
+        (self.once + from_above) / (self.draws + 1.0)
+    }
+}
+
+/// Unseen mass per chain, from which that of states and rules follows.
+#[derive(Debug, Clone, Default)]
+pub struct Evidence {
+    transition_by_chain: Vec<f64>,
+    time_by_chain: Vec<f64>,
+}
+
+/// What a plant with no evidence at all is taken to hide: one half of one kind.
+const PRIOR_ONCE: f64 = 0.5;
+
+impl Evidence {
+    /// Tallies the rules of a model.
+    pub fn of(rules: &[Rule], chains: &Chains) -> Self {
+        let mut transitions = vec![Tally::default(); chains.len()];
+        let mut times = vec![Tally::default(); chains.len()];
+        for rule in rules {
+            let transition = &mut transitions[rule.chain];
+            transition.draws += rule.evidence() as f64;
+            transition.once += f64::from(rule.evidence() == 1);
+            let time = &mut times[rule.chain];
+            time.draws += rule.count as f64;
+            time.once += rare_instances(rule) as f64;
+        }
+        Self {
+            transition_by_chain: shrink(&transitions, chains),
+            time_by_chain: shrink(&times, chains),
+        }
+    }
+
+    /// Probability that a healthy machine leaves `state` in a way not seen yet.
+    pub fn unknown_transition(
+        &self,
+        rules: &[Rule],
+        table: &RuleTable,
+        chain: usize,
+        kind: ChainKind,
+        state: StateId,
+    ) -> f64 {
+        let row = &rules[table.row(row_of(state, kind))];
+        let tally = Tally {
+            once: row.iter().filter(|rule| rule.evidence() == 1).count() as f64,
+            draws: row.iter().map(Rule::evidence).sum::<u64>() as f64,
+        };
+        tally.unseen(self.transition_by_chain[chain])
+    }
+
+    /// Probability that a transition of a healthy machine takes `time_s`, which lies outside all
+    /// that is usual for it. Longer than anything seen is rarer still, falling with the ratio.
+    pub fn odd_time(&self, rule: &Rule, time_s: f64) -> f64 {
+        let tally = Tally { once: rare_instances(rule) as f64, draws: rule.count as f64 };
+        let longest = rule.clusters.iter().map(|c| c.maximum_s).fold(0.0, f64::max);
+        let beyond = if time_s > longest && time_s > 0.0 { longest.max(1e-3) / time_s } else { 1.0 };
+        tally.unseen(self.time_by_chain[rule.chain]) * beyond.min(1.0)
+    }
+}
+
+/// Instances in clusters too small to be a usual time.
+fn rare_instances(rule: &Rule) -> u64 {
+    if rule.count < BODY_INSTANCES {
+        return rule.count.min(1);
+    }
+    rule.clusters.iter().filter(|c| c.instances < BODY_INSTANCES).map(|c| c.instances).sum()
+}
+
+/// Unseen mass of every chain, shrunk towards that of all chains of its kind.
+fn shrink(tallies: &[Tally], chains: &Chains) -> Vec<f64> {
+    let plant = |kind: ChainKind| {
+        let of_kind = tallies.iter().enumerate().filter(|(chain, _)| chains.kind(*chain) == kind);
+        let sum = of_kind.fold(Tally::default(), |sum, (_, tally)| Tally {
+            once: sum.once + tally.once,
+            draws: sum.draws + tally.draws,
+        });
+        sum.unseen(PRIOR_ONCE)
+    };
+    let (devices, groups) = (plant(ChainKind::Device), plant(ChainKind::Group));
+    tallies
+        .iter()
+        .enumerate()
+        .map(|(chain, tally)| {
+            tally.unseen(if chains.kind(chain) == ChainKind::Device { devices } else { groups })
+        })
+        .collect()
+}

@@ -1,0 +1,93 @@
+//! Findings that one cause explains share an incident.
+//!
+//! Inside one group, a finding joins the open incident while that is fresh. It is a *consequence*,
+//! told as a notice, where the cause already explains it: the group's chain repeats what a device's
+//! chain has said, and whoever waited for a device that was late or lost is late as well.
+
+use serde::{Deserialize, Serialize};
+
+use crate::finding::Kind;
+use crate::log::Nanoseconds;
+
+use super::chains::{ChainIndex, ChainKind};
+
+/// The open incident of a group.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Incident {
+    /// Id of its first finding.
+    pub id: String,
+    cause: ChainIndex,
+    cause_is_device: bool,
+    /// When the trouble began: for a late transition, when it was due at the earliest.
+    began: Nanoseconds,
+    /// Time of its latest finding.
+    pub last: Nanoseconds,
+}
+
+/// What is needed to place a finding.
+#[derive(Debug, Clone, Copy)]
+pub struct Occurrence<'a> {
+    /// The finding's own id.
+    pub id: &'a str,
+    /// What it is.
+    pub kind: Kind,
+    /// The chain that found it.
+    pub chain: ChainIndex,
+    /// Device or group.
+    pub chain_kind: ChainKind,
+    /// Since when its device had been waiting.
+    pub waiting_since: Nanoseconds,
+    /// When it was found.
+    pub time: Nanoseconds,
+}
+
+/// Where a finding belongs.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct Placement {
+    /// The incident's id.
+    pub incident: String,
+    /// True where the cause already explains it.
+    pub consequence: bool,
+}
+
+impl Incident {
+    /// Places a finding in the open incident of its group, or opens a new one.
+    pub fn place(
+        open: &mut Option<Self>,
+        occurrence: Occurrence<'_>,
+        fresh_for: Nanoseconds,
+    ) -> Placement {
+        let joined = open.as_mut().filter(|incident| {
+            occurrence.time.saturating_sub(incident.last) <= fresh_for
+                || (is_delay(occurrence.kind) && occurrence.waiting_since <= incident.last)
+        });
+        if let Some(incident) = joined {
+            let consequence = incident.explains(&occurrence);
+            incident.last = occurrence.time;
+            return Placement { incident: incident.id.clone(), consequence };
+        }
+        *open = Some(Self {
+            id: occurrence.id.to_owned(),
+            cause: occurrence.chain,
+            cause_is_device: occurrence.chain_kind == ChainKind::Device,
+            began: occurrence.waiting_since,
+            last: occurrence.time,
+        });
+        Placement { incident: occurrence.id.to_owned(), consequence: false }
+    }
+
+    fn explains(&self, occurrence: &Occurrence<'_>) -> bool {
+        if occurrence.chain == self.cause {
+            return false;
+        }
+        let echoed = self.cause_is_device && occurrence.chain_kind == ChainKind::Group;
+        let inherited = is_delay(occurrence.kind)
+            && occurrence.waiting_since <= self.last
+            && occurrence.time >= self.began;
+        echoed || inherited
+    }
+}
+
+fn is_delay(kind: Kind) -> bool {
+    matches!(kind, Kind::Late | Kind::Stall | Kind::Early)
+}

@@ -1,0 +1,445 @@
+//! Learning the nominal model from fault-free logs (Ghosh 2016, sections 2.4.1 and 2.4.2).
+
+use thiserror::Error;
+
+use crate::log::{ChangeLog, Nanoseconds, SECOND, SignalIndex};
+use crate::naming::{NamingError, NamingRule};
+use crate::plant::Plant;
+use crate::symbols::SymbolTable;
+use crate::timing::csk_means::CskMeans;
+use crate::timing::{self, TimeCluster, optimal};
+
+use super::chains::{ChainIndex, ChainKind, Chains};
+use super::dispersion;
+use super::events::{Row, Values, is_image};
+use super::model::{Learned, NominalModel};
+use super::order::ScanOrder;
+use super::parameters::{ParameterError, Parameters, Timing};
+use super::rules::{Rule, row_of};
+use super::states::{NO_STATE, StateId, States};
+
+/// Why nothing can be learned.
+#[derive(Debug, Clone, PartialEq, Error)]
+pub enum LearnError {
+    /// No event in any log.
+    #[error("nothing to learn from: the log holds no change of any signal")]
+    NoEvents,
+    /// A parameter out of range.
+    #[error(transparent)]
+    Parameter(#[from] ParameterError),
+    /// A naming rule that is none.
+    #[error(transparent)]
+    Naming(#[from] NamingError),
+    /// `starting` names a device the logs do not have.
+    #[error("starting signal '{device}={signal}': {problem}")]
+    Starting {
+        /// `Group-Device` as given.
+        device: String,
+        /// Signal as given.
+        signal: String,
+        /// What is wrong.
+        problem: String,
+    },
+}
+
+/// One event with its place in the learning logs.
+#[derive(Clone, Copy)]
+struct Event {
+    time: Nanoseconds,
+    signal: SignalIndex,
+    state: StateId,
+    /// True where sight was lost before this event: a start or a gap.
+    after_break: bool,
+}
+
+/// Learns from one or more logs of the same plant, each a run of its own.
+///
+/// # Errors
+/// No event at all, a parameter out of range, an unknown starting signal, a naming rule that is
+/// none.
+pub fn learn(
+    logs: &[ChangeLog],
+    table: &SymbolTable,
+    parameters: &Parameters,
+) -> Result<NominalModel, LearnError> {
+    parameters.validate()?;
+    let rule = NamingRule::parse(&parameters.naming)?;
+    let symbols = all_symbols(logs);
+    let mut plant = Plant::arrange(&symbols, table, &rule);
+    mark_words(&mut plant, logs);
+    let order = (parameters.timing == Timing::Adaptive).then(|| ScanOrder::of(&plant));
+    let mut states = States::new(plant.signals.len());
+    let events = read_events(logs, &plant, &mut states, order.as_ref());
+    if events.is_empty() {
+        return Err(LearnError::NoEvents);
+    }
+    choose_starting_signals(&mut plant, &events, parameters)?;
+    let chains = Chains::of(&plant);
+    let resolution = resolution(logs, parameters);
+    let transitions = walk(&events, &chains, states.len());
+    let rules = rules(transitions, &chains, parameters, resolution);
+    let learned = Learned {
+        events: events.len() as u64,
+        duration: logs.iter().filter_map(span).sum(),
+        resolution,
+        scan_window: scan_window(logs, parameters),
+        longest_pause: longest_pauses(&events, &chains, plant.groups.len()),
+        group_start: group_starts(&events, &chains, plant.groups.len()),
+    };
+    Ok(NominalModel::assemble(plant, states, rules, learned, parameters.clone()))
+}
+
+fn span(log: &ChangeLog) -> Option<Nanoseconds> {
+    Some(log.time.last()?.saturating_sub(*log.time.first()?))
+}
+
+/// Symbols of all logs in the order they are first named.
+fn all_symbols(logs: &[ChangeLog]) -> Vec<String> {
+    let mut seen = std::collections::HashSet::new();
+    logs.iter()
+        .flat_map(|log| &log.signals)
+        .filter(|symbol| seen.insert(symbol.as_str()))
+        .cloned()
+        .collect()
+}
+
+/// A signal that ever holds a value other than 0 and 1 is a word.
+fn mark_words(plant: &mut Plant, logs: &[ChangeLog]) {
+    for log in logs {
+        let to_plant = indices(log, plant);
+        for (&signal, &value) in log.signal.iter().zip(&log.value) {
+            if value & !1 != 0 {
+                plant.signals[to_plant[signal as usize] as usize].word = true;
+            }
+        }
+    }
+}
+
+/// The plant's index of each of a log's signals.
+fn indices(log: &ChangeLog, plant: &Plant) -> Vec<SignalIndex> {
+    let by_symbol: std::collections::HashMap<&str, SignalIndex> =
+        plant.signals.iter().zip(0..).map(|(s, index)| (s.symbol.as_str(), index)).collect();
+    log.signals.iter().map(|symbol| by_symbol.get(symbol.as_str()).copied().unwrap_or(0)).collect()
+}
+
+/// All events of all logs, scans in canonical order where `order` is given.
+fn read_events(
+    logs: &[ChangeLog],
+    plant: &Plant,
+    states: &mut States,
+    order: Option<&ScanOrder>,
+) -> Vec<Event> {
+    let mut events = Vec::with_capacity(logs.iter().map(ChangeLog::len).sum());
+    for log in logs {
+        let to_plant = indices(log, plant);
+        let mut values = Values::new(plant.signals.len());
+        let mut gaps = log.gaps.iter().peekable();
+        let mut after_break = true;
+        let mut resynchronise = is_image(first_values(log));
+        let mut start = 0;
+        let mut scan: Vec<Row> = Vec::new();
+        while start < log.len() {
+            let time = log.time[start];
+            let end = start + log.time[start..].iter().take_while(|&&t| t == time).count();
+            scan.clear();
+            scan.extend((start..end).map(|row| Row {
+                time,
+                signal: to_plant[log.signal[row] as usize],
+                value: log.value[row],
+            }));
+            start = end;
+            while gaps.next_if(|gap| gap.end <= time).is_some() {
+                (after_break, resynchronise) = (true, true);
+            }
+            if let Some(order) = order {
+                order.sort(&mut scan);
+            }
+            for row in &scan {
+                if values.changed(row.signal, row.value) && !resynchronise {
+                    let state = states.intern(row.signal, row.value);
+                    events.push(Event { time, signal: row.signal, state, after_break });
+                    after_break = false;
+                }
+            }
+            resynchronise = false;
+        }
+    }
+    events
+}
+
+fn first_values(log: &ChangeLog) -> impl Iterator<Item = i64> + '_ {
+    let first = log.time.first().copied();
+    log.time
+        .iter()
+        .zip(&log.value)
+        .take_while(move |(time, _)| Some(**time) == first)
+        .map(|(_, value)| *value)
+}
+
+/// The first signal of each device with an event stands for it, unless the user says otherwise.
+fn choose_starting_signals(
+    plant: &mut Plant,
+    events: &[Event],
+    parameters: &Parameters,
+) -> Result<(), LearnError> {
+    for event in events {
+        let device = plant.signals[event.signal as usize].device;
+        plant.devices[device].starting.get_or_insert(event.signal);
+    }
+    for (name, signal) in &parameters.starting {
+        let error = |problem: &str| LearnError::Starting {
+            device: name.clone(),
+            signal: signal.clone(),
+            problem: problem.to_owned(),
+        };
+        let device = (0..plant.devices.len())
+            .find(|&d| plant.device_name(d) == *name || plant.devices[d].name == *name)
+            .ok_or_else(|| error("the logs hold no such device; give it as Group-Device"))?;
+        let index = (0..plant.signals.len() as SignalIndex)
+            .find(|&s| {
+                let candidate = &plant.signals[s as usize];
+                candidate.device == device && candidate.name == *signal
+            })
+            .ok_or_else(|| error("the device has no such signal"))?;
+        plant.devices[device].starting = Some(index);
+    }
+    Ok(())
+}
+
+/// Every transition of every chain, and the instances of each in the order they happened.
+struct Transitions {
+    rules: Vec<Found>,
+    /// `(rule, nanoseconds)` in the order of the log.
+    instances: Vec<(u32, Nanoseconds)>,
+}
+
+struct Found {
+    chain: ChainIndex,
+    current: StateId,
+    next: StateId,
+    count: u64,
+    uncounted: u64,
+}
+
+#[derive(Clone, Copy)]
+struct Here {
+    state: StateId,
+    time: Nanoseconds,
+    /// True while `state` is the first after a start or gap.
+    first: bool,
+}
+
+fn walk(events: &[Event], chains: &Chains, states: usize) -> Transitions {
+    let nowhere = Here { state: NO_STATE, time: 0, first: true };
+    let mut here = vec![nowhere; chains.len()];
+    let mut by_row: Vec<Vec<(StateId, u32)>> = vec![Vec::new(); 2 * states];
+    let mut found =
+        Transitions { rules: Vec::new(), instances: Vec::with_capacity(events.len() * 5 / 4) };
+    for event in events {
+        if event.after_break {
+            here.fill(nowhere);
+        }
+        let group = chains.group_chain(event.signal).map(|chain| (chain, ChainKind::Group));
+        let device = (chains.device_chain(event.signal), ChainKind::Device);
+        for (chain, kind) in std::iter::once(device).chain(group) {
+            let before = here[chain];
+            here[chain] =
+                Here { state: event.state, time: event.time, first: before.state == NO_STATE };
+            if before.state == NO_STATE {
+                continue;
+            }
+            let row = &mut by_row[row_of(before.state, kind)];
+            let rule = match row.iter().find(|(next, _)| *next == event.state) {
+                Some(&(_, rule)) => rule,
+                None => {
+                    let rule = found.rules.len() as u32;
+                    row.push((event.state, rule));
+                    found.rules.push(Found {
+                        chain,
+                        current: before.state,
+                        next: event.state,
+                        count: 0,
+                        uncounted: 0,
+                    });
+                    rule
+                }
+            };
+            let entry = &mut found.rules[rule as usize];
+            entry.count += 1;
+            entry.uncounted += u64::from(before.first);
+            found.instances.push((rule, event.time - before.time));
+        }
+    }
+    found
+}
+
+/// Clusters times and computes probabilities.
+fn rules(
+    found: Transitions,
+    chains: &Chains,
+    parameters: &Parameters,
+    resolution: Nanoseconds,
+) -> Vec<Rule> {
+    let branch_dispersion = branch_dispersion(&found);
+    let mut end = vec![0usize; found.rules.len() + 1];
+    for &(rule, _) in &found.instances {
+        end[rule as usize + 1] += 1;
+    }
+    for rule in 1..end.len() {
+        end[rule] += end[rule - 1];
+    }
+    let mut place = end.clone();
+    let mut times = vec![0.0f64; found.instances.len()];
+    for &(rule, nanoseconds) in &found.instances {
+        times[place[rule as usize]] = nanoseconds as f64 / SECOND as f64;
+        place[rule as usize] += 1;
+    }
+    let mut position = vec![0u32; chains.len()];
+    let mut rules: Vec<Rule> = found
+        .rules
+        .iter()
+        .enumerate()
+        .map(|(index, transition)| {
+            let place = position[transition.chain];
+            position[transition.chain] += 1;
+            Rule {
+                chain: transition.chain,
+                current: transition.current,
+                next: transition.next,
+                count: transition.count,
+                uncounted: transition.uncounted,
+                probability: 0.0,
+                sequence: index as u64,
+                position: place,
+                dispersion: branch_dispersion[index],
+                clusters: cluster(&times[end[index]..end[index + 1]], parameters, resolution),
+            }
+        })
+        .collect();
+    set_probabilities(&mut rules, chains);
+    rules
+}
+
+/// Shares of each transition among those out of its state.
+pub(super) fn set_probabilities(rules: &mut [Rule], chains: &Chains) {
+    let mut out = std::collections::HashMap::<(ChainKind, StateId), u64>::new();
+    for rule in rules.iter() {
+        *out.entry((chains.kind(rule.chain), rule.current)).or_default() += rule.count;
+    }
+    for rule in rules.iter_mut() {
+        let total = out[&(chains.kind(rule.chain), rule.current)];
+        rule.probability = rule.count as f64 / total as f64;
+    }
+}
+
+/// Clusters the instances of one transition, given in the order they happened.
+fn cluster(times: &[f64], parameters: &Parameters, resolution: Nanoseconds) -> Vec<TimeCluster> {
+    let mut sorted = times.to_vec();
+    sorted.sort_unstable_by(f64::total_cmp);
+    match parameters.timing {
+        Timing::Plat => CskMeans {
+            k: parameters.k,
+            epsilon: parameters.epsilon,
+            single_cluster_span_s: parameters.single_cluster_span_s,
+            merge_distance_s: parameters.merge_distance_s,
+            minimum_support: parameters.minimum_support,
+        }
+        .cluster(&sorted),
+        Timing::Adaptive => {
+            let mut clusters = optimal::cluster(&sorted, resolution as f64 / SECOND as f64);
+            if clusters.len() > 1 {
+                let kinds: Vec<u32> = times
+                    .iter()
+                    .map(|&time| timing::nearest(&clusters, time).unwrap_or(0) as u32)
+                    .collect();
+                for (cluster, kind) in clusters.iter_mut().zip(0..) {
+                    cluster.dispersion = dispersion::of_share(&kinds, kind);
+                }
+            } else if let Some(only) = clusters.first_mut() {
+                only.dispersion = dispersion::of_mean(times);
+            }
+            clusters
+        }
+    }
+}
+
+/// Dispersion of every branch: of "this transition was taken" among departures from its state.
+fn branch_dispersion(found: &Transitions) -> Vec<f64> {
+    let mut departures = std::collections::HashMap::<(ChainIndex, StateId), Vec<u32>>::new();
+    for &(rule, _) in &found.instances {
+        let transition = &found.rules[rule as usize];
+        departures.entry((transition.chain, transition.current)).or_default().push(rule);
+    }
+    found
+        .rules
+        .iter()
+        .enumerate()
+        .map(|(index, transition)| {
+            departures
+                .get(&(transition.chain, transition.current))
+                .filter(|sequence| sequence.len() as u64 > transition.count)
+                .map_or(1.0, |sequence| dispersion::of_share(sequence, index as u32))
+        })
+        .collect()
+}
+
+/// Smallest time difference that means something: the scan interval where known, else the
+/// greatest common divisor of all times (the logger's resolution), within 1 ms to 1 s.
+fn resolution(logs: &[ChangeLog], parameters: &Parameters) -> Nanoseconds {
+    let given = parameters.scan_interval_s.map(|s| (s * SECOND as f64) as Nanoseconds);
+    let scan = given.or_else(|| logs.iter().filter_map(|log| log.scan_interval).max());
+    scan.unwrap_or_else(|| logs.iter().fold(0, common_divisor)).clamp(SECOND / 1000, SECOND)
+}
+
+/// Events closer than this have no order; zero where only equal times are of one scan.
+fn scan_window(logs: &[ChangeLog], parameters: &Parameters) -> Nanoseconds {
+    let given = parameters.scan_interval_s.map(|s| (s * SECOND as f64) as Nanoseconds);
+    given.or_else(|| logs.iter().filter_map(|log| log.scan_interval).max()).unwrap_or(0)
+}
+
+fn common_divisor(so_far: Nanoseconds, log: &ChangeLog) -> Nanoseconds {
+    let start = log.time.first().copied().unwrap_or_default();
+    let mut divisor = so_far;
+    for &time in &log.time {
+        let (mut a, mut b) = (time - start, divisor);
+        while b != 0 {
+            (a, b) = (b, a % b);
+        }
+        divisor = a;
+        if divisor == 1 {
+            break;
+        }
+    }
+    divisor
+}
+
+/// Longest time between two events of each group.
+fn longest_pauses(events: &[Event], chains: &Chains, groups: usize) -> Vec<Nanoseconds> {
+    let mut last: Vec<Option<Nanoseconds>> = vec![None; groups];
+    let mut longest = vec![0; groups];
+    for event in events {
+        if event.after_break {
+            last.fill(None);
+        }
+        let group = chains.group_of(chains.device_chain(event.signal));
+        if let Some(last) = last[group] {
+            longest[group] = longest[group].max(event.time - last);
+        }
+        last[group] = Some(event.time);
+    }
+    longest
+}
+
+/// The first signal-state of each group's chain: its return closes a group cycle.
+fn group_starts(events: &[Event], chains: &Chains, groups: usize) -> Vec<StateId> {
+    let mut starts = vec![NO_STATE; groups];
+    for event in events {
+        if let Some(chain) = chains.group_chain(event.signal) {
+            let start = &mut starts[chains.group_of(chain)];
+            if *start == NO_STATE {
+                *start = event.state;
+            }
+        }
+    }
+    starts
+}

@@ -1,0 +1,170 @@
+//! The nominal model: what was learned, indexed for watching.
+
+use serde::{Deserialize, Serialize};
+
+use crate::log::{Nanoseconds, SECOND};
+use crate::plant::Plant;
+use crate::timing::limits::{self, Accepted};
+
+use super::budget::Budget;
+use super::chains::{ChainIndex, ChainKind, Chains};
+use super::evidence::Evidence;
+use super::parameters::{Parameters, Timing};
+use super::rules::{Rule, RuleTable};
+use super::states::{StateId, States, full_state_name, short_state_name};
+
+/// Facts of the learning logs that are no rules.
+#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Learned {
+    /// Number of events.
+    pub events: u64,
+    /// Time the logs span together.
+    pub duration: Nanoseconds,
+    /// Smallest time difference that means something.
+    pub resolution: Nanoseconds,
+    /// Events closer than this have no order; zero where only equal times are of one scan.
+    pub scan_window: Nanoseconds,
+    /// Longest time without an event, by group.
+    pub longest_pause: Vec<Nanoseconds>,
+    /// First state of the chain, by group; `NO_STATE` where it has none.
+    pub group_start: Vec<StateId>,
+}
+
+/// The nominal behaviour of one plant.
+#[derive(Debug, Clone)]
+pub struct NominalModel {
+    /// Signals, devices, groups.
+    pub plant: Plant,
+    /// Signal-states.
+    pub states: States,
+    /// Rules, in the order of [`RuleTable`].
+    pub rules: Vec<Rule>,
+    /// Facts of the learning logs.
+    pub learned: Learned,
+    /// Parameters it was learned with and is watched with.
+    pub parameters: Parameters,
+    pub(super) table: RuleTable,
+    pub(super) chains: Chains,
+    pub(super) evidence: Evidence,
+    pub(super) budget: Budget,
+    /// Accepted times, per rule and cluster; empty where no time is remarkable.
+    pub(super) accepted: Vec<Vec<Accepted>>,
+}
+
+/// "Learned from the longest nominal pause": this many times it.
+const PAUSE_FACTOR: f64 = 1.5;
+
+impl NominalModel {
+    /// Indexes rules; also the way back from a model directory.
+    pub fn assemble(
+        plant: Plant,
+        states: States,
+        mut rules: Vec<Rule>,
+        learned: Learned,
+        parameters: Parameters,
+    ) -> Self {
+        let chains = Chains::of(&plant);
+        let table = RuleTable::build(&mut rules, &chains, states.len());
+        let evidence = Evidence::of(&rules, &chains);
+        let budget = Budget::of(&parameters, &learned, &rules, &chains);
+        let resolution_s = learned.resolution as f64 / SECOND as f64;
+        let accepted = rules
+            .iter()
+            .map(|rule| match parameters.timing {
+                Timing::Plat => limits::plat(&rule.clusters),
+                Timing::Adaptive => {
+                    limits::adaptive(&rule.clusters, budget.per_time, resolution_s)
+                }
+            })
+            .collect();
+        Self { plant, states, rules, learned, parameters, table, chains, evidence, budget, accepted }
+    }
+
+    /// Device or group chain of a rule.
+    pub fn kind(&self, chain: ChainIndex) -> ChainKind {
+        self.chains.kind(chain)
+    }
+
+    /// Name of the group of a chain.
+    pub fn group_name(&self, chain: ChainIndex) -> &str {
+        &self.plant.groups[self.chains.group_of(chain)].name
+    }
+
+    /// Name of the device of a chain; `None` for a group's.
+    pub fn device_name(&self, chain: ChainIndex) -> Option<&str> {
+        self.chains.device(chain).map(|device| self.plant.devices[device].name.as_str())
+    }
+
+    /// The chain of a group, or of a device in it.
+    pub fn find_chain(&self, group: &str, device: Option<&str>) -> Option<ChainIndex> {
+        match device {
+            Some(device) => self.plant.find_device(group, device),
+            None => self.plant.find_group(group).map(|g| self.chains.chain_of_group(g)),
+        }
+    }
+
+    /// `Group1-Device2-Signal2_ON`.
+    pub fn state_name(&self, state: StateId) -> String {
+        let (signal, value) = self.states.signal_value(state);
+        full_state_name(&self.plant, signal, value)
+    }
+
+    /// `Signal2_ON` in a device's model, `Device2-Signal2_ON` in a group's.
+    pub fn short_state_name(&self, state: StateId, kind: ChainKind) -> String {
+        let (signal, value) = self.states.signal_value(state);
+        let short = short_state_name(&self.plant, signal, value);
+        match kind {
+            ChainKind::Device => short,
+            ChainKind::Group => format!("{}-{short}", self.plant.device_of(signal).name),
+        }
+    }
+
+    /// Rules of one chain in the order of first appearance.
+    pub fn rules_of(&self, chain: ChainIndex) -> Vec<&Rule> {
+        let mut rules: Vec<&Rule> = self.rules.iter().filter(|rule| rule.chain == chain).collect();
+        rules.sort_by_key(|rule| rule.position);
+        rules
+    }
+
+    /// All rules: devices, then groups, each in the order of first appearance.
+    pub fn rules_in_order(&self) -> Vec<&Rule> {
+        let mut rules: Vec<&Rule> = self.rules.iter().collect();
+        rules.sort_by_key(|rule| (rule.chain, rule.position));
+        rules
+    }
+
+    /// Seconds after which a time is late, for the cluster that takes longest; `None` where no
+    /// time is.
+    pub(super) fn latest_s(&self, rule: usize) -> Option<f64> {
+        self.accepted[rule].iter().map(|a| a.late_s).reduce(f64::max)
+    }
+
+    /// How long a group may pause before it has stopped.
+    pub fn stall_after(&self, group: usize) -> Nanoseconds {
+        let pause = self.learned.longest_pause.get(group).copied().unwrap_or_default() as f64;
+        let given = self.parameters.stall_after_s * SECOND as f64;
+        let learned = pause * PAUSE_FACTOR;
+        let after = match (self.parameters.timing, self.parameters.stall_learned) {
+            (_, true) if pause > 0.0 => learned,
+            (Timing::Plat, _) => given,
+            (Timing::Adaptive, _) => given.max(learned),
+        };
+        after.max(1.0) as Nanoseconds
+    }
+
+    /// Changes whenever the model does; a monitor's saved state names the model it belongs to.
+    pub fn fingerprint(&self) -> u64 {
+        let mut hash = xxhash_rust::xxh3::Xxh3::new();
+        for signal in &self.plant.signals {
+            hash.update(signal.symbol.as_bytes());
+            hash.update(&[0]);
+        }
+        for rule in &self.rules {
+            hash.update(&rule.current.to_le_bytes());
+            hash.update(&rule.next.to_le_bytes());
+            hash.update(&rule.count.to_le_bytes());
+            hash.update(&(rule.clusters.len() as u64).to_le_bytes());
+        }
+        hash.digest()
+    }
+}

@@ -1,0 +1,83 @@
+//! Transition rules (Ghosh 2016, Table 2), and the flat table they are looked up in.
+
+use crate::timing::TimeCluster;
+
+use super::chains::{ChainIndex, ChainKind, Chains};
+use super::states::StateId;
+
+/// One transition of one chain.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Rule {
+    /// Chain it belongs to.
+    pub chain: ChainIndex,
+    /// Signal-state before.
+    pub current: StateId,
+    /// Signal-state after.
+    pub next: StateId,
+    /// How often it was learned.
+    pub count: u64,
+    /// Of those, how often as a start-up artefact (from the first state after a start or gap) or
+    /// by an operator's confirmation: known to be allowed, but no evidence of what is usual.
+    pub uncounted: u64,
+    /// Share of the transitions out of `current`.
+    pub probability: f64,
+    /// Place in the order of first appearance over the whole plant: causes before effects.
+    pub sequence: u64,
+    /// Place in the order of first appearance inside its chain.
+    pub position: u32,
+    /// Long-run variance of the branch, see [`super::dispersion`].
+    pub dispersion: f64,
+    /// Its times; empty where none was ever measured (a confirmed path).
+    pub clusters: Vec<TimeCluster>,
+}
+
+impl Rule {
+    /// Instances that count as evidence.
+    pub fn evidence(&self) -> u64 {
+        self.count.saturating_sub(self.uncounted)
+    }
+}
+
+/// Rules by current state: row `2·state` for the device's chain, `2·state + 1` for the group's.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct RuleTable {
+    row_start: Vec<u32>,
+    next: Vec<StateId>,
+}
+
+/// Row of a state in the chain of a kind.
+#[inline]
+pub fn row_of(state: StateId, kind: ChainKind) -> usize {
+    2 * state as usize + usize::from(kind == ChainKind::Group)
+}
+
+impl RuleTable {
+    /// Sorts `rules` by row and indexes them. Within a row the most frequent stands first.
+    pub fn build(rules: &mut [Rule], chains: &Chains, states: usize) -> Self {
+        let row = |rule: &Rule| row_of(rule.current, chains.kind(rule.chain));
+        rules.sort_by_key(|rule| (row(rule), std::cmp::Reverse(rule.count), rule.sequence));
+        let mut row_start = vec![0u32; 2 * states + 1];
+        for rule in rules.iter() {
+            row_start[row(rule) + 1] += 1;
+        }
+        for row in 1..row_start.len() {
+            row_start[row] += row_start[row - 1];
+        }
+        Self { row_start, next: rules.iter().map(|rule| rule.next).collect() }
+    }
+
+    /// Indices of the rules of a row.
+    #[inline]
+    pub fn row(&self, row: usize) -> std::ops::Range<usize> {
+        match (self.row_start.get(row), self.row_start.get(row + 1)) {
+            (Some(&start), Some(&end)) => start as usize..end as usize,
+            _ => 0..0,
+        }
+    }
+
+    /// The rule from a row to a state.
+    #[inline]
+    pub fn find(&self, row: usize, next: StateId) -> Option<usize> {
+        self.row(row).find(|&rule| self.next[rule] == next)
+    }
+}

@@ -1,0 +1,60 @@
+//! Transition times: how long a transition takes when all is well, and what is too long or short.
+
+pub mod agglomerative;
+pub mod csk_means;
+pub mod limits;
+pub mod optimal;
+
+use serde::{Deserialize, Serialize};
+
+/// One of the times a transition takes. All times in seconds.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+pub struct TimeCluster {
+    /// Number of learned instances.
+    pub instances: u64,
+    /// Mean of the instances (ATT in Ghosh 2016, Figures 13-14).
+    pub average_s: f64,
+    /// Smallest instance.
+    pub minimum_s: f64,
+    /// Largest instance.
+    pub maximum_s: f64,
+    /// Share of the transition's instances (TTP). Not renormalised when clusters are dropped.
+    pub probability: f64,
+    /// Mean excess of the upper half over the median: the scale of the late tail. Zero with `plat`.
+    pub late_scale_s: f64,
+    /// The same for the lower half: the scale of the early tail. Zero with `plat`.
+    pub early_scale_s: f64,
+    /// Long-run variance of belonging to this cluster, over that of independent draws: below 1
+    /// where clusters alternate, above 1 where they come in bunches. See [`crate::signal_state::dispersion`].
+    pub dispersion: f64,
+}
+
+impl TimeCluster {
+    /// Summarises one contiguous run of the sorted instances `times` out of `total`.
+    fn of(times: &[f64], total: usize) -> Self {
+        let (first, last) = (times.first().copied(), times.last().copied());
+        Self {
+            instances: times.len() as u64,
+            average_s: mean(times),
+            minimum_s: first.unwrap_or_default(),
+            maximum_s: last.unwrap_or_default(),
+            probability: times.len() as f64 / total as f64,
+            late_scale_s: 0.0,
+            early_scale_s: 0.0,
+            dispersion: 1.0,
+        }
+    }
+}
+
+/// The cluster whose average is nearest to a time.
+pub fn nearest(clusters: &[TimeCluster], time_s: f64) -> Option<usize> {
+    (0..clusters.len()).min_by(|&a, &b| {
+        let distance = |i: usize| (clusters[i].average_s - time_s).abs();
+        distance(a).total_cmp(&distance(b))
+    })
+}
+
+/// Mean of sorted values, summed from the left; zero where there are none.
+fn mean(times: &[f64]) -> f64 {
+    if times.is_empty() { 0.0 } else { times.iter().sum::<f64>() / times.len() as f64 }
+}

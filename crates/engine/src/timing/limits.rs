@@ -1,0 +1,95 @@
+//! What is too long, or too short, for a transition.
+//!
+//! `plat`: the published rule, a fixed allowance over the nearest maximum. `adaptive`: a
+//! predictive tail. After `n` instances the next one lies beyond the largest with probability
+//! `1/(n+1)` whatever the distribution; how far beyond is taken as exponential with the scale of
+//! the cluster's own tail, and since that scale is itself learned from `n` instances, the
+//! predictive tail is the Lomax (Pareto II) distribution with shape `n`:
+//! `P(X > maximum + m) = (1 + m / (n·scale))^-n / (n + 1)`.
+//! Few instances make a heavy tail and so a wide limit; no fixed allowance is needed.
+
+use super::TimeCluster;
+
+/// Clusters with fewer instances are *rare but seen*: accepted, but no basis for a limit.
+pub const BODY_INSTANCES: u64 = 3;
+
+/// The published allowance Δ over a maximum, in seconds (Ghosh 2016, below Table 4).
+pub fn plat_allowance_s(maximum_s: f64) -> f64 {
+    if maximum_s <= 15.0 {
+        1.5
+    } else if maximum_s <= 30.0 {
+        3.0
+    } else {
+        4.0
+    }
+}
+
+/// The times accepted around one cluster, in seconds.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Accepted {
+    /// Anything below is early; zero where nothing is.
+    pub early_s: f64,
+    /// Anything above is late; infinite where nothing is.
+    pub late_s: f64,
+}
+
+/// Accepted times per cluster at tail probability `alpha` per transition. An empty answer means
+/// that no time is remarkable, since too few were seen.
+pub fn adaptive(clusters: &[TimeCluster], alpha: f64, resolution_s: f64) -> Vec<Accepted> {
+    if !clusters.iter().any(|c| c.instances >= BODY_INSTANCES) {
+        return Vec::new();
+    }
+    clusters
+        .iter()
+        .map(|cluster| {
+            let margin = |scale: f64| {
+                let scale = scale.max(resolution_s);
+                if cluster.instances >= BODY_INSTANCES {
+                    lomax_margin(cluster.instances as f64, scale, alpha)
+                } else {
+                    scale
+                }
+            };
+            Accepted {
+                early_s: (cluster.minimum_s - margin(cluster.early_scale_s)).max(0.0),
+                late_s: cluster.maximum_s + margin(cluster.late_scale_s),
+            }
+        })
+        .collect()
+}
+
+/// The published rule as accepted times: nothing is early.
+pub fn plat(clusters: &[TimeCluster]) -> Vec<Accepted> {
+    clusters
+        .iter()
+        .map(|c| Accepted { early_s: 0.0, late_s: c.maximum_s + plat_allowance_s(c.maximum_s) })
+        .collect()
+}
+
+/// The margin beyond an extreme that is passed with probability `alpha`.
+fn lomax_margin(instances: f64, scale: f64, alpha: f64) -> f64 {
+    let ratio = (1.0 / (alpha * (instances + 1.0))).max(1.0);
+    instances * scale * (ratio.powf(1.0 / instances) - 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_published_allowance_has_three_steps() {
+        assert_eq!(plat_allowance_s(15.0), 1.5);
+        assert_eq!(plat_allowance_s(15.1), 3.0);
+        assert_eq!(plat_allowance_s(30.1), 4.0);
+    }
+
+    #[test]
+    fn few_instances_make_wide_limits() {
+        let margin = |n| lomax_margin(n, 0.01, 1e-6);
+        assert!(margin(3.0) > 2.0 * margin(5.0));
+        assert!(margin(5.0) > margin(20.0));
+        assert!(margin(20.0) > margin(1000.0));
+        // 20 instances: 20 · 0.01 · ((1e6/21)^(1/20) − 1) = 0.1427…
+        assert!((margin(20.0) - 0.1427).abs() < 1e-3);
+    }
+}

@@ -1,0 +1,227 @@
+//! Exact one-dimensional clustering of transition times: optimal k-means by dynamic programming
+//! (Wang & Song 2011, Ckmeans.1d.dp, with divide and conquer instead of their quadratic fill),
+//! the number of clusters by the Bayesian information criterion, and a separation test, so that
+//! one broad time is not cut into slices.
+
+use super::TimeCluster;
+
+/// More times than this per transition are not told apart: the papers' plants have up to three.
+const CLUSTERS_AT_MOST: usize = 6;
+/// Distinct values the dynamic programme looks at; more are first pooled with their neighbours.
+const DISTINCT_AT_MOST: usize = 2048;
+/// Clusters are told apart only where the gap between them is this many times their own spread.
+const SEPARATION: f64 = 3.0;
+
+/// One value, or several pooled neighbours.
+#[derive(Clone, Copy)]
+struct Point {
+    /// Index of its first instance among the sorted instances.
+    start: usize,
+    weight: f64,
+    sum: f64,
+}
+
+/// Clusters instances sorted in ascending order. `resolution_s` is the scan interval or the time
+/// resolution of the log: spreads below it mean nothing.
+pub fn cluster(sorted: &[f64], resolution_s: f64) -> Vec<TimeCluster> {
+    if sorted.is_empty() {
+        return Vec::new();
+    }
+    let points = points(sorted);
+    let floor = (resolution_s / 12f64.sqrt()).max(1e-6);
+    let spread = sorted[sorted.len() - 1] - sorted[0];
+    let starts = if points.len() == 1 || spread <= SEPARATION * resolution_s {
+        vec![0]
+    } else {
+        best_starts(sorted, &points, floor)
+    };
+    join_unseparated(sorted, &starts, resolution_s)
+        .map(|run| {
+            let mut cluster = TimeCluster::of(run, sorted.len());
+            (cluster.early_scale_s, cluster.late_scale_s) = half_scales(run);
+            cluster
+        })
+        .collect()
+}
+
+fn points(sorted: &[f64]) -> Vec<Point> {
+    let mut points: Vec<Point> = Vec::new();
+    let mut last = f64::NAN;
+    for (start, &time) in sorted.iter().enumerate() {
+        match points.last_mut() {
+            Some(point) if time == last => {
+                point.weight += 1.0;
+                point.sum += time;
+            }
+            _ => points.push(Point { start, weight: 1.0, sum: time }),
+        }
+        last = time;
+    }
+    if points.len() > DISTINCT_AT_MOST {
+        let pooled = points.len().div_ceil(DISTINCT_AT_MOST);
+        points = points
+            .chunks(pooled)
+            .map(|run| Point {
+                start: run[0].start,
+                weight: run.iter().map(|p| p.weight).sum(),
+                sum: run.iter().map(|p| p.sum).sum(),
+            })
+            .collect();
+    }
+    points
+}
+
+/// Prefix sums, centred on the overall mean for accuracy.
+struct Prefix {
+    weight: Vec<f64>,
+    sum: Vec<f64>,
+    square: Vec<f64>,
+}
+
+impl Prefix {
+    fn of(points: &[Point]) -> Self {
+        let total: f64 = points.iter().map(|p| p.weight).sum();
+        let centre = points.iter().map(|p| p.sum).sum::<f64>() / total;
+        let mut prefix = Self { weight: vec![0.0], sum: vec![0.0], square: vec![0.0] };
+        let (mut weight, mut sum, mut square) = (0.0, 0.0, 0.0);
+        for point in points {
+            let value = point.sum / point.weight - centre;
+            weight += point.weight;
+            sum += value * point.weight;
+            square += value * value * point.weight;
+            prefix.weight.push(weight);
+            prefix.sum.push(sum);
+            prefix.square.push(square);
+        }
+        prefix
+    }
+
+    /// Sum of squared distances to the mean over points `from..to`.
+    fn cost(&self, from: usize, to: usize) -> f64 {
+        let weight = self.weight[to] - self.weight[from];
+        let sum = self.sum[to] - self.sum[from];
+        (self.square[to] - self.square[from] - sum * sum / weight).max(0.0)
+    }
+}
+
+/// Start indices (into the sorted instances) of the partition with the best BIC.
+fn best_starts(sorted: &[f64], points: &[Point], floor: f64) -> Vec<usize> {
+    let prefix = Prefix::of(points);
+    let n = points.len();
+    let total = sorted.len() as f64;
+    let at_most = CLUSTERS_AT_MOST.min(n);
+    // costs[j]: least cost of the first j points in k clusters; cut[k][j]: where the last starts.
+    let mut costs: Vec<f64> = (0..=n).map(|j| if j == 0 { 0.0 } else { prefix.cost(0, j) }).collect();
+    let mut cuts: Vec<Vec<usize>> = vec![vec![0; n + 1]];
+    let mut best = (criterion(&prefix, &[0], n, total, floor), vec![0]);
+    for k in 2..=at_most {
+        let mut next = vec![f64::INFINITY; n + 1];
+        let mut cut = vec![0; n + 1];
+        fill(&prefix, &costs, &mut next, &mut cut, (k, n), (k - 1, n - 1));
+        costs = next;
+        cuts.push(cut);
+        let starts = trace_back(&cuts, n);
+        let value = criterion(&prefix, &starts, n, total, floor);
+        if value < best.0 {
+            best = (value, starts);
+        }
+    }
+    best.1.into_iter().map(|point| points[point].start).collect()
+}
+
+/// Fills one layer of the programme: the best cut never moves back as the end moves on.
+fn fill(
+    prefix: &Prefix,
+    before: &[f64],
+    next: &mut [f64],
+    cut: &mut [usize],
+    (low, high): (usize, usize),
+    (cut_low, cut_high): (usize, usize),
+) {
+    if low > high {
+        return;
+    }
+    let middle = low.midpoint(high);
+    for start in cut_low..=cut_high.min(middle - 1) {
+        let cost = before[start] + prefix.cost(start, middle);
+        if cost < next[middle] {
+            next[middle] = cost;
+            cut[middle] = start;
+        }
+    }
+    let at = cut[middle];
+    fill(prefix, before, next, cut, (low, middle - 1), (cut_low, at.max(cut_low)));
+    fill(prefix, before, next, cut, (middle + 1, high), (at.max(cut_low), cut_high));
+}
+
+fn trace_back(cuts: &[Vec<usize>], n: usize) -> Vec<usize> {
+    let mut starts = Vec::with_capacity(cuts.len());
+    let mut end = n;
+    for cut in cuts.iter().rev() {
+        end = cut[end];
+        starts.push(end);
+    }
+    starts.reverse();
+    starts
+}
+
+/// Bayesian information criterion of a mixture of normal times, hard assignment.
+fn criterion(prefix: &Prefix, starts: &[usize], n: usize, total: f64, floor: f64) -> f64 {
+    let ends = starts.iter().skip(1).copied().chain([n]);
+    let log_likelihood: f64 = starts
+        .iter()
+        .zip(ends)
+        .map(|(&start, end)| {
+            let weight = prefix.weight[end] - prefix.weight[start];
+            let variance = prefix.cost(start, end) / weight + floor * floor;
+            weight
+                * ((weight / total).ln()
+                    - 0.5 * (std::f64::consts::TAU * variance).ln()
+                    - 0.5 * (variance - floor * floor) / variance)
+        })
+        .sum();
+    let parameters = (3 * starts.len() - 1) as f64;
+    parameters * total.ln() - 2.0 * log_likelihood
+}
+
+/// Joins neighbours that no clear gap parts: `SEPARATION` times the wider half-spread, and more
+/// than a few scans.
+fn join_unseparated<'a>(
+    sorted: &'a [f64],
+    starts: &[usize],
+    resolution_s: f64,
+) -> impl Iterator<Item = &'a [f64]> {
+    let mut runs: Vec<&[f64]> = Vec::new();
+    for (i, &start) in starts.iter().enumerate() {
+        let end = starts.get(i + 1).copied().unwrap_or(sorted.len());
+        let run = &sorted[start..end];
+        match runs.last_mut() {
+            Some(left) if !separated(left, run, resolution_s) => {
+                *left = &sorted[start - left.len()..end];
+            }
+            _ => runs.push(run),
+        }
+    }
+    runs.into_iter()
+}
+
+fn separated(left: &[f64], right: &[f64], resolution_s: f64) -> bool {
+    let (Some(&left_last), Some(&right_first)) = (left.last(), right.first()) else {
+        return false;
+    };
+    let spread = half_scales(left).1.max(half_scales(right).0);
+    right_first - left_last > SEPARATION * spread.max(resolution_s)
+}
+
+/// Mean distance of the lower and of the upper half from the median.
+fn half_scales(run: &[f64]) -> (f64, f64) {
+    let half = run.len() / 2;
+    if half == 0 {
+        return (0.0, 0.0);
+    }
+    let median = if run.len() % 2 == 1 { run[half] } else { run[half - 1].midpoint(run[half]) };
+    let lower = &run[..half];
+    let upper = &run[run.len() - half..];
+    let scale = |side: &[f64]| side.iter().map(|t| (t - median).abs()).sum::<f64>() / half as f64;
+    (scale(lower), scale(upper))
+}
