@@ -27,7 +27,7 @@ pub struct Gap {
 }
 
 /// Why columns are not a change log.
-#[derive(Debug, Clone, PartialEq, Eq, Error)]
+#[derive(Debug, Clone, PartialEq, Error)]
 pub enum LogError {
     /// The columns differ in length.
     #[error("a change log needs columns of one length: time has {time} rows, signal {signal}, value {value}")]
