@@ -133,6 +133,15 @@ impl NominalModel {
         rules
     }
 
+    /// Early and late limit in seconds of each time cluster of a rule of this model; empty where
+    /// no time is remarkable.
+    pub fn limits_of(&self, rule: &Rule) -> Vec<(f64, f64)> {
+        let row = super::rules::row_of(rule.current, self.kind(rule.chain));
+        self.table.find(row, rule.next).map_or_else(Vec::new, |index| {
+            self.accepted[index].iter().map(|a| (a.early_s, a.late_s)).collect()
+        })
+    }
+
     /// Seconds after which a time is late, for the cluster that takes longest; `None` where no
     /// time is.
     pub(super) fn latest_s(&self, rule: usize) -> Option<f64> {

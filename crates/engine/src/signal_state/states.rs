@@ -59,6 +59,11 @@ impl States {
         })
     }
 
+    /// Values of words beyond 0 and 1, in the order they were numbered.
+    pub fn further(&self) -> &[(SignalIndex, i64)] {
+        &self.further
+    }
+
     /// Signal and value of a state.
     pub fn signal_value(&self, state: StateId) -> (SignalIndex, i64) {
         if state < 2 * self.signals {

@@ -1,0 +1,261 @@
+//! The nominal model on disk: a directory with `manifest.json` and `rules.parquet`.
+//!
+//! It is written beside its place and renamed when complete, so no reader ever sees half a model.
+//! The manifest holds a checksum of the rules: what was damaged or mixed is refused.
+
+use std::ffi::OsString;
+use std::fs::{self, File};
+use std::io;
+use std::path::{Path, PathBuf};
+
+use parquet::arrow::ArrowWriter;
+use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
+use parquet::basic::Compression;
+use parquet::file::properties::WriterProperties;
+use serde::{Deserialize, Serialize};
+use thiserror::Error;
+
+use runglight_engine::log::SignalIndex;
+use runglight_engine::plant::Plant;
+use runglight_engine::signal_state::model::{Learned, NominalModel};
+use runglight_engine::signal_state::parameters::Parameters;
+use runglight_engine::signal_state::states::States;
+
+use crate::rules_table;
+
+/// Version of the directory's layout.
+pub const MODEL_FORMAT: u32 = 1;
+
+const MANIFEST: &str = "manifest.json";
+const RULES: &str = "rules.parquet";
+/// Files that belong to the model itself; others in the directory are kept when it is replaced.
+const OWN: [&str; 2] = [MANIFEST, RULES];
+
+/// Why a model cannot be read or written.
+#[derive(Debug, Error)]
+pub enum ModelError {
+    /// There is no such directory, or it holds no model.
+    #[error("{}: there is no model here (no manifest.json); learn one with 'runglight learn LOG -o {}'", path.display(), path.display())]
+    Missing {
+        /// The path given.
+        path: PathBuf,
+    },
+    /// The layout is of another version.
+    #[error("{}: the model has format {found}, this version reads format {MODEL_FORMAT}; learn it anew from its logs", path.display())]
+    Version {
+        /// The path given.
+        path: PathBuf,
+        /// Version found.
+        found: u64,
+    },
+    /// Something in it does not fit.
+    #[error("{}: the model is damaged ({problem}); restore it from a copy or learn it anew from its logs", path.display())]
+    Damaged {
+        /// The path given.
+        path: PathBuf,
+        /// What does not fit.
+        problem: String,
+    },
+    /// The place is taken by something else.
+    #[error("{}: already exists and is no model; choose another name or remove it", path.display())]
+    Taken {
+        /// The path given.
+        path: PathBuf,
+    },
+    /// The file system refused.
+    #[error("{}: cannot {action}: {source}", path.display())]
+    Io {
+        /// The path.
+        path: PathBuf,
+        /// What was tried.
+        action: &'static str,
+        /// What the system said.
+        source: io::Error,
+    },
+}
+
+/// Where a model comes from.
+#[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Provenance {
+    /// When it was learned, ISO 8601 UTC.
+    pub created: String,
+    /// Names of the logs it was learned from.
+    pub source: Vec<String>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct Manifest {
+    format: u32,
+    #[serde(flatten)]
+    provenance: Provenance,
+    parameters: Parameters,
+    learned: Learned,
+    /// Checksum of `rules.parquet`, xxh3 in hexadecimal.
+    rules_checksum: String,
+    rules: usize,
+    /// Values of words beyond 0 and 1, in the order of their state numbers.
+    word_states: Vec<(SignalIndex, i64)>,
+    #[serde(flatten)]
+    plant: Plant,
+}
+
+/// Writes a model, replacing an older one of that name.
+///
+/// # Errors
+/// The place is taken by something that is no model, or the file system refuses.
+pub fn save(model: &NominalModel, provenance: &Provenance, path: &Path) -> Result<(), ModelError> {
+    if path.exists() && !path.join(MANIFEST).is_file() && !is_empty_directory(path) {
+        return Err(ModelError::Taken { path: path.to_owned() });
+    }
+    let staging = beside(path, "new");
+    let io = |action| {
+        move |source| ModelError::Io { path: path.to_owned(), action, source }
+    };
+    let _ = fs::remove_dir_all(&staging);
+    fs::create_dir_all(&staging).map_err(io("create the model directory"))?;
+    let written = write_files(model, provenance, &staging).and_then(|()| replace(path, &staging));
+    if written.is_err() {
+        let _ = fs::remove_dir_all(&staging);
+    }
+    written.map_err(io("write the model"))
+}
+
+fn is_empty_directory(path: &Path) -> bool {
+    fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_none())
+}
+
+/// `model.new-123` beside `model`.
+fn beside(path: &Path, purpose: &str) -> PathBuf {
+    let mut name = path.file_name().map_or_else(|| OsString::from("model"), OsString::from);
+    name.push(format!(".{purpose}-{}", std::process::id()));
+    path.with_file_name(name)
+}
+
+fn write_files(model: &NominalModel, provenance: &Provenance, into: &Path) -> io::Result<()> {
+    let batch = rules_table::to_batch(model);
+    let properties = WriterProperties::builder()
+        .set_compression(Compression::ZSTD(parquet::basic::ZstdLevel::default()))
+        .build();
+    let mut bytes = Vec::new();
+    let mut writer = ArrowWriter::try_new(&mut bytes, batch.schema(), Some(properties))
+        .map_err(io::Error::other)?;
+    writer.write(&batch).map_err(io::Error::other)?;
+    writer.close().map_err(io::Error::other)?;
+    write_synced(&into.join(RULES), &bytes)?;
+    let manifest = Manifest {
+        format: MODEL_FORMAT,
+        provenance: provenance.clone(),
+        parameters: model.parameters.clone(),
+        learned: model.learned.clone(),
+        rules_checksum: checksum(&bytes),
+        rules: model.rules.len(),
+        word_states: model.states.further().to_vec(),
+        plant: model.plant.clone(),
+    };
+    let text = serde_json::to_vec_pretty(&manifest).map_err(io::Error::other)?;
+    write_synced(&into.join(MANIFEST), &text)
+}
+
+fn write_synced(path: &Path, bytes: &[u8]) -> io::Result<()> {
+    fs::write(path, bytes)?;
+    File::open(path)?.sync_all()
+}
+
+/// Moves what else lies in the old directory over, then swaps the two.
+fn replace(path: &Path, staging: &Path) -> io::Result<()> {
+    if !path.exists() {
+        return fs::rename(staging, path);
+    }
+    let old = beside(path, "old");
+    for entry in fs::read_dir(path)? {
+        let name = entry?.file_name();
+        if !OWN.iter().any(|own| name == *own) {
+            fs::rename(path.join(&name), staging.join(&name))?;
+        }
+    }
+    fs::rename(path, &old)?;
+    fs::rename(staging, path)?;
+    fs::remove_dir_all(old)
+}
+
+fn checksum(bytes: &[u8]) -> String {
+    format!("{:016x}", xxhash_rust::xxh3::xxh3_64(bytes))
+}
+
+/// Reads a model.
+///
+/// # Errors
+/// No model there, another version, or anything that does not fit.
+pub fn load(path: &Path) -> Result<(NominalModel, Provenance), ModelError> {
+    let damaged =
+        |problem: String| ModelError::Damaged { path: path.to_owned(), problem };
+    let read = |name: &str| {
+        fs::read(path.join(name)).map_err(|source| match source.kind() {
+            io::ErrorKind::NotFound | io::ErrorKind::NotADirectory if name == MANIFEST => {
+                ModelError::Missing { path: path.to_owned() }
+            }
+            io::ErrorKind::NotFound => damaged(format!("{name} is missing")),
+            _ => ModelError::Io { path: path.join(name), action: "read", source },
+        })
+    };
+    let text = read(MANIFEST)?;
+    let value: serde_json::Value = serde_json::from_slice(&text)
+        .map_err(|_| damaged("manifest.json is not JSON".to_owned()))?;
+    let found = value
+        .get("format")
+        .and_then(serde_json::Value::as_u64)
+        .ok_or_else(|| damaged("manifest.json names no format".to_owned()))?;
+    if found != u64::from(MODEL_FORMAT) {
+        return Err(ModelError::Version { path: path.to_owned(), found });
+    }
+    let manifest: Manifest = serde_json::from_value(value)
+        .map_err(|error| damaged(format!("manifest.json: {error}")))?;
+    check_plant(&manifest).map_err(|problem| damaged(problem.to_owned()))?;
+    let bytes = read(RULES)?;
+    if checksum(&bytes) != manifest.rules_checksum {
+        return Err(damaged("rules.parquet is not the one the manifest was written with".to_owned()));
+    }
+    let mut states = States::new(manifest.plant.signals.len());
+    for &(signal, value) in &manifest.word_states {
+        states.intern(signal, value);
+    }
+    let rules = ParquetRecordBatchReaderBuilder::try_new(bytes::Bytes::from(bytes))
+        .and_then(|builder| builder.build())
+        .ok()
+        .and_then(|reader| reader.collect::<Result<Vec<_>, _>>().ok())
+        .and_then(|batches| rules_table::from_batches(&batches, &manifest.plant, &mut states))
+        .filter(|rules| rules.len() == manifest.rules)
+        .ok_or_else(|| damaged("rules.parquet does not fit the manifest".to_owned()))?;
+    let model = NominalModel::assemble(
+        manifest.plant,
+        states,
+        rules,
+        manifest.learned,
+        manifest.parameters,
+    );
+    Ok((model, manifest.provenance))
+}
+
+/// Every index the engine will follow must lead somewhere.
+fn check_plant(manifest: &Manifest) -> Result<(), &'static str> {
+    let plant = &manifest.plant;
+    let signals = plant.signals.len();
+    let signal_ok = |s: SignalIndex| (s as usize) < signals;
+    if plant.signals.iter().any(|s| s.device >= plant.devices.len()) {
+        return Err("a signal names a device that is not there");
+    }
+    if plant.devices.iter().any(|d| {
+        d.group >= plant.groups.len() || d.starting.is_some_and(|starting| !signal_ok(starting))
+    }) {
+        return Err("a device names a group or signal that is not there");
+    }
+    if manifest.word_states.iter().any(|&(signal, _)| !signal_ok(signal)) {
+        return Err("a word state names a signal that is not there");
+    }
+    if manifest.learned.group_start.len() != plant.groups.len()
+        || manifest.learned.longest_pause.len() != plant.groups.len()
+    {
+        return Err("the number of groups does not fit");
+    }
+    manifest.parameters.validate().map_err(|_| "a parameter is out of range")
+}
