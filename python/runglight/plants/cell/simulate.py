@@ -65,6 +65,8 @@ def simulate_cell(
         raise ValueError(f"a run has at least 1 cycle, not {cycles}")
     if part_intervals_s is None:
         part_intervals_s = mostly_60_s_pattern() if patterned else PART_INTERVALS_S
+    if not part_intervals_s:
+        raise ValueError("the pattern of part intervals is empty; give at least one, in seconds")
     plant = CellPlant(start_ns, seed, tuple(islice(repeat(part_intervals_s), cycles)))
     injectors = [
         FaultInjector(plant, each, _cycle_of(each, fault_cycle, cycles))
