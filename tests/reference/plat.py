@@ -45,6 +45,7 @@ Algorithm 3
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 from typing import NamedTuple, TypedDict
 
 Row = tuple[int, str, int]
@@ -158,11 +159,8 @@ def events(rows: Sequence[Row]) -> list[Event]:
         values[signal] = value
         if image and time_ns == first_ns:
             continue
-        if signal in words:
-            state = f"{signal}={value}"
-        else:
-            state = f"{signal}_{'ON' if value else 'OFF'}"
-        found.append(Event(time_ns, signal, state))
+        state = f"={value}" if signal in words else ("_ON" if value else "_OFF")
+        found.append(Event(time_ns, signal, signal + state))
     return found
 
 
@@ -172,7 +170,7 @@ def chain_rules(
     """The rules of one model from the chain of its events."""
     times_s: dict[tuple[str, str], list[float]] = {}
     leaving: dict[str, int] = {}
-    for before, after in zip(chain, chain[1:], strict=False):
+    for before, after in pairwise(chain):
         elapsed_s = (after.time_ns - before.time_ns) / 1e9
         times_s.setdefault((before.state, after.state), []).append(elapsed_s)
         leaving[before.state] = leaving.get(before.state, 0) + 1

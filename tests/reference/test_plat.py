@@ -2,6 +2,7 @@
 
 import doctest
 import random
+from itertools import pairwise
 
 import plat
 import pytest
@@ -94,7 +95,7 @@ def test_clusters_partition_what_they_keep() -> None:
         for cluster in clusters:
             assert cluster.minimum_s <= cluster.average_s + 1e-9
             assert cluster.average_s <= cluster.maximum_s + 1e-9
-        for before, after in zip(clusters, clusters[1:], strict=False):
+        for before, after in pairwise(clusters):
             assert before.maximum_s <= after.minimum_s
             assert after.average_s - before.average_s >= 3.0
 
