@@ -426,6 +426,8 @@ def test_faults_by_name_and_several_at_once() -> None:
     assert same(simulate_cell(fault="open-decelerated"), simulate_cell(fault=3))
     assert same(simulate_cell(fault="3"), simulate_cell(fault=3))
     assert [label.number for label in simulate_cell(fault=(9, 3)).labels] == [3, 9]
+    # 5 stops the line before 9 can begin
+    assert [label.number for label in simulate_cell(fault=(5, 9)).labels] == [5]
 
 
 @pytest.mark.parametrize(
@@ -437,6 +439,7 @@ def test_faults_by_name_and_several_at_once() -> None:
         ({"cycles": 3, "fault": 1, "fault_cycle": 4}, "cycle 1 to 3"),
         ({"cycles": 3, "fault": 11, "fault_cycle": 3}, "cycle 1 to 2"),
         ({"cycles": 1, "fault": 11}, "at least 2 cycles"),
+        ({"part_intervals_s": (45.0,), "fault": 6}, "one or the other"),
         ({"part_intervals_s": ()}, "pattern of part intervals is empty"),
     ],
 )

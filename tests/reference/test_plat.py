@@ -8,6 +8,8 @@ import plat
 import pytest
 from plat import Cluster, Parameters, Row, learn, time_clusters
 
+from runglight.plants.cell import simulate_cell
+
 S = 1_000_000_000
 
 
@@ -156,3 +158,29 @@ def test_groups_are_chains_of_starting_signals_and_shares_are_out_of_the_state()
 
 def test_an_empty_log_has_no_rules() -> None:
     assert learn([]) == []
+
+
+def cell_rows(cycles: int, seed: int) -> list[Row]:
+    run = simulate_cell(cycles, seed=seed)
+    return [
+        (time_ns, run.signals[number], value)
+        for time_ns, number, value in zip(
+            run.time_ns.tolist(), run.signal_index.tolist(), run.value.tolist(), strict=True
+        )
+    ]
+
+
+def test_the_cell_teaches_the_two_times_of_the_paper() -> None:
+    """Ghosh 2016, section 3.1 (merge below 2 s, support 0.10) and Table 4, row 6: 0.47, 0.52."""
+    rules = learn(cell_rows(20, seed=1), Parameters(merge_s=2.0, support=0.10))
+    twice = [
+        rule
+        for rule in rules
+        if rule["current"].endswith("LDR-BACKWARD_OFF") and rule["next"].endswith("PRT_CHK_ON")
+    ]
+    assert [rule["time_probability"] for rule in twice] == [9 / 19, 10 / 19]
+    assert [rule["average_s"] for rule in twice] == pytest.approx([30.0, 60.0], abs=0.3)
+    assert {rule["count"] for rule in twice} == {19}
+    first = {rule["next"]: rule for rule in rules if rule["current"] == "Group1-PrtLDR-RET_ON"}
+    by_device = {name: rule for name, rule in first.items() if rule["model"] == "device"}
+    assert by_device["Group1-PrtLDR-PRT_CHK_ON"]["transition_probability"] == 1 / 21

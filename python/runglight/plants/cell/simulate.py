@@ -53,7 +53,7 @@ def simulate_cell(
     possible if that is earlier); fault 7 always begins in cycle 1 and fault 6 is there from the
     start. `part_intervals_s` (default 30, 60) is repeated for as many parts as there are: how
     long after the loader stands home and empty each part is set on it. A line that has stopped
-    is watched for another 200 s.
+    is watched for another 200 s. A fault that the line never lived to see has no label.
 
     Raises ValueError for a fault or cycle that does not exist.
     """
@@ -63,6 +63,8 @@ def simulate_cell(
         cycles = PATTERN_LENGTH if patterned else DEFAULT_CYCLES
     if cycles < 1:
         raise ValueError(f"a run has at least 1 cycle, not {cycles}")
+    if patterned and part_intervals_s is not None:
+        raise ValueError("fault 6 is a pattern of part intervals: give one or the other")
     if part_intervals_s is None:
         part_intervals_s = mostly_60_s_pattern() if patterned else PART_INTERVALS_S
     if not part_intervals_s:
