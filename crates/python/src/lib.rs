@@ -1,1 +1,28 @@
-//! Python bindings.
+//! Python bindings of the runglight engine: Arrow in, Arrow out. The only crate that names `pyo3`.
+
+mod change_log;
+mod errors;
+mod findings;
+mod model;
+mod monitor;
+mod stream;
+
+use pyo3::prelude::*;
+
+/// The compiled engine; `python/runglight/_engine.pyi` describes it.
+#[pymodule]
+fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
+    module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    errors::register(module)?;
+    module.add_class::<change_log::PyChangeLog>()?;
+    module.add_class::<findings::PyFindings>()?;
+    module.add_class::<model::PyNominalModel>()?;
+    module.add_class::<model::PyRules>()?;
+    module.add_class::<monitor::PyMonitor>()?;
+    module.add_function(wrap_pyfunction!(change_log::read_log, module)?)?;
+    module.add_function(wrap_pyfunction!(change_log::write_log, module)?)?;
+    module.add_function(wrap_pyfunction!(change_log::log_from_columns, module)?)?;
+    module.add_function(wrap_pyfunction!(model::learn, module)?)?;
+    module.add_function(wrap_pyfunction!(model::load_model, module)?)?;
+    Ok(())
+}

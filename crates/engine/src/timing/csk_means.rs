@@ -2,7 +2,8 @@
 //!
 //! Decisions where the paper leaves a gap (`docs/decisions/0002-plat-to-the-letter.md`):
 //! `k` shrinks to the number of instances; split positions the assignment loop does not reach
-//! leave the partitions after them empty, and empty partitions are dropped before merging.
+//! leave the partitions after them empty; an empty partition keeps its mean while iterating, and is
+//! dropped before merging.
 
 use super::TimeCluster;
 use super::agglomerative;
@@ -74,7 +75,12 @@ fn k_means(sorted: &[f64], mut ends: Vec<usize>) -> Vec<usize> {
     let mut means: Vec<f64> = partitions(sorted, &ends).map(super::mean).collect();
     for _ in 0..ITERATIONS_AT_MOST {
         ends = assign(sorted, &means);
-        let moved: Vec<f64> = partitions(sorted, &ends).map(super::mean).collect();
+        let moved: Vec<f64> = partitions(sorted, &ends)
+            .zip(&means)
+            .map(|(partition, &before)| {
+                if partition.is_empty() { before } else { super::mean(partition) }
+            })
+            .collect();
         let settled = means.iter().zip(&moved).all(|(a, b)| (a - b).abs() <= MEANS_EQUAL_S);
         means = moved;
         if settled {

@@ -1,0 +1,164 @@
+//! `Findings`: in the order they were made, as Arrow or as lines of JSON.
+
+use std::sync::Arc;
+
+use arrow_array::builder::{
+    Float64Builder, ListBuilder, StringBuilder, StructBuilder, TimestampNanosecondBuilder,
+    UInt8Builder,
+};
+use arrow_array::{ArrayRef, RecordBatch};
+use arrow_schema::{ArrowError, DataType, Field, Fields};
+use pyo3::prelude::*;
+use pyo3::types::PyCapsule;
+
+use runglight_engine::finding::Finding;
+
+use crate::errors;
+use crate::stream;
+
+/// Findings of one call.
+#[pyclass(name = "Findings", module = "runglight._engine", frozen)]
+pub struct PyFindings {
+    pub findings: Vec<Finding>,
+}
+
+#[pymethods]
+impl PyFindings {
+    fn __len__(&self) -> usize {
+        self.findings.len()
+    }
+
+    #[pyo3(signature = (requested_schema = None))]
+    fn __arrow_c_stream__<'py>(
+        &self,
+        py: Python<'py>,
+        requested_schema: Option<Bound<'py, PyCapsule>>,
+    ) -> PyResult<Bound<'py, PyCapsule>> {
+        stream::export(py, to_batch(&self.findings).map_err(errors::input)?, requested_schema)
+    }
+
+    fn json_lines(&self) -> Vec<String> {
+        self.findings.iter().map(Finding::to_json).collect()
+    }
+}
+
+/// The name serde gives a unit variant: `transition_probability`, `fault`, …
+fn name(value: &impl serde::Serialize) -> Option<String> {
+    serde_json::to_value(value).ok()?.as_str().map(str::to_owned)
+}
+
+type TextOf = fn(&Finding) -> Option<String>;
+
+fn to_batch(findings: &[Finding]) -> Result<RecordBatch, ArrowError> {
+    let mut columns: Vec<(&str, ArrayRef)> = Vec::new();
+    let text = |of: TextOf| -> ArrayRef {
+        let mut builder = StringBuilder::new();
+        for finding in findings {
+            builder.append_option(of(finding));
+        }
+        Arc::new(builder.finish())
+    };
+    let real = |of: fn(&Finding) -> Option<f64>| -> ArrayRef {
+        let mut builder = Float64Builder::new();
+        for finding in findings {
+            builder.append_option(of(finding));
+        }
+        Arc::new(builder.finish())
+    };
+    let mut time = TimestampNanosecondBuilder::new().with_timezone("UTC");
+    let mut rank = UInt8Builder::new();
+    for finding in findings {
+        time.append_value(finding.time);
+        rank.append_option(finding.rank);
+    }
+    columns.push(("id", text(|f| Some(f.id.clone()))));
+    columns.push(("incident", text(|f| Some(f.incident.clone()))));
+    columns.push(("time", Arc::new(time.finish())));
+    columns.push(("kind", text(|f| name(&f.kind))));
+    columns.push(("severity", text(|f| name(&f.severity))));
+    columns.push(("state", text(|f| name(&f.state))));
+    columns.push(("model", text(|f| name(&f.model))));
+    columns.push(("group", text(|f| f.group.clone())));
+    columns.push(("device", text(|f| f.device.clone())));
+    columns.push(("signal", text(|f| f.signal.clone())));
+    columns.push(("address", text(|f| f.address.clone())));
+    columns.push(("from", text(|f| f.from.clone())));
+    columns.push(("to", text(|f| f.to.clone())));
+    columns.push(("expected", expected(findings)));
+    columns.push(("observed_s", real(|f| f.observed_s)));
+    columns.push(("limit_s", real(|f| f.limit_s)));
+    columns.push(("rank", Arc::new(rank.finish())));
+    columns.push(("suspects", suspects(findings)));
+    columns.push(("path", path(findings)));
+    columns.push(("snapshot_id", text(|f| f.snapshot_id.clone())));
+    columns.push(("message", text(|f| Some(f.message.clone()))));
+    RecordBatch::try_from_iter_with_nullable(columns.into_iter().map(|(n, c)| (n, c, true)))
+}
+
+fn path(findings: &[Finding]) -> ArrayRef {
+    let mut list = ListBuilder::new(StringBuilder::new());
+    for finding in findings {
+        for state in &finding.path {
+            list.values().append_value(state);
+        }
+        list.append(true);
+    }
+    Arc::new(list.finish())
+}
+
+/// A struct of two fields of text or number, three in all.
+fn list_of(fields: [(&'static str, DataType); 3]) -> ListBuilder<StructBuilder> {
+    let fields: Fields =
+        fields.into_iter().map(|(name, data_type)| Field::new(name, data_type, true)).collect();
+    ListBuilder::new(StructBuilder::from_fields(fields, 0))
+}
+
+fn append_text(row: &mut StructBuilder, field: usize, text: Option<&str>) {
+    if let Some(builder) = row.field_builder::<StringBuilder>(field) {
+        builder.append_option(text);
+    }
+}
+
+fn append_real(row: &mut StructBuilder, field: usize, number: Option<f64>) {
+    if let Some(builder) = row.field_builder::<Float64Builder>(field) {
+        builder.append_option(number);
+    }
+}
+
+fn expected(findings: &[Finding]) -> ArrayRef {
+    let mut list = list_of([
+        ("state", DataType::Utf8),
+        ("probability", DataType::Float64),
+        ("limit_s", DataType::Float64),
+    ]);
+    for finding in findings {
+        for expected in &finding.expected {
+            let row = list.values();
+            append_text(row, 0, Some(&expected.state));
+            append_real(row, 1, Some(expected.probability));
+            append_real(row, 2, expected.limit_s);
+            row.append(true);
+        }
+        list.append(true);
+    }
+    Arc::new(list.finish())
+}
+
+fn suspects(findings: &[Finding]) -> ArrayRef {
+    let mut list = list_of([
+        ("address", DataType::Utf8),
+        ("signal", DataType::Utf8),
+        ("score", DataType::Float64),
+    ]);
+    for finding in findings {
+        for suspect in &finding.suspects {
+            let row = list.values();
+            append_text(row, 0, suspect.address.as_deref());
+            append_text(row, 1, Some(&suspect.signal));
+            append_real(row, 2, Some(suspect.score));
+            row.append(true);
+        }
+        list.append(true);
+    }
+    Arc::new(list.finish())
+}

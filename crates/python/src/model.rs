@@ -1,0 +1,226 @@
+//! `NominalModel`: learn, save, load, look at, confirm.
+
+use std::path::Path;
+use std::sync::Arc;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use arrow_array::RecordBatch;
+use pyo3::prelude::*;
+use pyo3::types::PyCapsule;
+use serde_json::{Value, json};
+
+use runglight_engine::finding::{Finding, time_text};
+use runglight_engine::log::{ChangeLog, SECOND};
+use runglight_engine::signal_state::chains::ChainIndex;
+use runglight_engine::signal_state::learn::learn as learn_model;
+use runglight_engine::signal_state::model::NominalModel;
+use runglight_engine::signal_state::parameters::Parameters;
+use runglight_engine::symbols::SymbolTable;
+use runglight_formats::model_directory::{self, MODEL_FORMAT, Provenance};
+use runglight_formats::rules_table;
+
+use crate::change_log::PyChangeLog;
+use crate::errors;
+use crate::monitor::PyMonitor;
+use crate::stream;
+
+/// What was learned of a plant.
+#[pyclass(name = "NominalModel", module = "runglight._engine")]
+pub struct PyNominalModel {
+    model: Arc<NominalModel>,
+    provenance: Provenance,
+}
+
+/// The rules of a model as an Arrow table.
+#[pyclass(name = "Rules", module = "runglight._engine", frozen)]
+pub struct PyRules {
+    batch: RecordBatch,
+}
+
+#[pymethods]
+impl PyRules {
+    fn __len__(&self) -> usize {
+        self.batch.num_rows()
+    }
+
+    #[pyo3(signature = (requested_schema = None))]
+    fn __arrow_c_stream__<'py>(
+        &self,
+        py: Python<'py>,
+        requested_schema: Option<Bound<'py, PyCapsule>>,
+    ) -> PyResult<Bound<'py, PyCapsule>> {
+        stream::export(py, self.batch.clone(), requested_schema)
+    }
+}
+
+impl PyNominalModel {
+    fn chain(&self, group: &str, device: Option<&str>) -> PyResult<ChainIndex> {
+        self.model.find_chain(group, device).ok_or_else(|| {
+            let name = device.map_or_else(|| group.to_owned(), |d| format!("{group}-{d}"));
+            errors::input(format!("the model has no device or group '{name}'"))
+        })
+    }
+
+    fn rule_rows(&self, chain: ChainIndex) -> Vec<Value> {
+        let model = &self.model;
+        let mut rows = Vec::new();
+        for rule in model.rules_of(chain) {
+            let limits = model.limits_of(rule);
+            let row = |cluster: Option<usize>| {
+                let of = cluster.map(|index| &rule.clusters[index]);
+                let limit = cluster.and_then(|index| limits.get(index));
+                json!({
+                    "model": if model.device_name(chain).is_some() { "device" } else { "group" },
+                    "group": model.group_name(chain),
+                    "device": model.device_name(chain),
+                    "current": model.state_name(rule.current),
+                    "next": model.state_name(rule.next),
+                    "count": rule.count,
+                    "transition_probability": rule.probability,
+                    "cluster": cluster,
+                    "average_s": of.map(|c| c.average_s),
+                    "minimum_s": of.map(|c| c.minimum_s),
+                    "maximum_s": of.map(|c| c.maximum_s),
+                    "time_probability": of.map(|c| c.probability),
+                    "position": rule.position,
+                    "early_limit_s": limit.map(|l| l.0),
+                    "late_limit_s": limit.map(|l| l.1).filter(|l| l.is_finite()),
+                    "start_up": rule.evidence() == 0,
+                })
+            };
+            if rule.clusters.is_empty() {
+                rows.push(row(None));
+            }
+            rows.extend((0..rule.clusters.len()).map(|index| row(Some(index))));
+        }
+        rows
+    }
+
+    fn group_list(&self) -> Value {
+        let plant = &self.model.plant;
+        let groups = plant.groups.iter().enumerate().map(|(group, entry)| {
+            let devices: Vec<Value> = plant
+                .devices
+                .iter()
+                .enumerate()
+                .filter(|(_, device)| device.group == group)
+                .map(|(index, device)| {
+                    json!({
+                        "device": device.name,
+                        "start": device.starting.map(|s| plant.signals[s as usize].name.clone()),
+                        "signals": plant.signals.iter().filter(|s| s.device == index).count(),
+                        "rules": self.model.rules.iter().filter(|r| r.chain == index).count(),
+                    })
+                })
+                .collect();
+            let start = self.model.learned.group_start.get(group).copied();
+            let known = start.filter(|&s| (s as usize) < self.model.states.len());
+            json!({
+                "group": entry.name,
+                "start": known.map(|state| self.model.state_name(state)),
+                "stall_after_s": self.model.stall_after(group) as f64 / SECOND as f64,
+                "devices": devices,
+            })
+        });
+        Value::Array(groups.collect())
+    }
+}
+
+#[pymethods]
+impl PyNominalModel {
+    fn rules(&self, py: Python<'_>) -> PyRules {
+        PyRules { batch: py.detach(|| rules_table::to_batch(&self.model)) }
+    }
+
+    #[pyo3(signature = (group = None, device = None))]
+    fn rules_json(&self, group: Option<&str>, device: Option<&str>) -> PyResult<String> {
+        let chains = match group {
+            Some(group) => vec![self.chain(group, device)?],
+            None => (0..self.model.plant.devices.len() + self.model.plant.groups.len()).collect(),
+        };
+        let rows: Vec<Value> = chains.into_iter().flat_map(|c| self.rule_rows(c)).collect();
+        serde_json::to_string(&rows).map_err(errors::input)
+    }
+
+    fn save(&self, py: Python<'_>, directory: &str) -> PyResult<()> {
+        py.detach(|| model_directory::save(&self.model, &self.provenance, Path::new(directory)))
+            .map_err(errors::model)
+    }
+
+    fn summary_json(&self) -> PyResult<String> {
+        let model = &self.model;
+        let seconds = |nanoseconds: i64| nanoseconds as f64 / SECOND as f64;
+        let summary = json!({
+            "created": self.provenance.created,
+            "source": self.provenance.source,
+            "format": MODEL_FORMAT,
+            "timing": model.parameters.timing,
+            "parameters": model.parameters,
+            "signals": model.plant.signals.len(),
+            "devices": model.plant.devices.len(),
+            "groups": model.plant.groups.len(),
+            "rules": model.rules.len(),
+            "events": model.learned.events,
+            "duration_s": seconds(model.learned.duration),
+            "scan_interval_s": seconds(model.learned.resolution),
+            "unnamed": model.plant.unplaced,
+            "group_list": self.group_list(),
+        });
+        serde_json::to_string(&summary).map_err(errors::input)
+    }
+
+    #[pyo3(signature = (group, device = None))]
+    fn dot(&self, group: &str, device: Option<&str>) -> PyResult<String> {
+        Ok(self.model.dot(self.chain(group, device)?))
+    }
+
+    fn symbols_csv(&self) -> String {
+        SymbolTable::of_plant(&self.model.plant)
+    }
+
+    #[pyo3(signature = (state = None))]
+    fn monitor(&self, state: Option<&[u8]>) -> PyResult<PyMonitor> {
+        PyMonitor::new(Arc::clone(&self.model), state).map_err(errors::input)
+    }
+
+    fn confirm(&mut self, finding_json: &str) -> PyResult<usize> {
+        let finding: Finding = serde_json::from_str(finding_json)
+            .map_err(|error| errors::input(format!("this is no finding: {error}")))?;
+        let (model, new) = self.model.confirm(&finding).map_err(errors::input)?;
+        self.model = Arc::new(model);
+        Ok(new)
+    }
+}
+
+/// Learns from fault-free logs.
+#[pyfunction]
+#[pyo3(signature = (logs, symbols_csv = None, parameters_json = "{}", source = Vec::new()))]
+pub fn learn(
+    py: Python<'_>,
+    logs: Vec<Py<PyChangeLog>>,
+    symbols_csv: Option<&str>,
+    parameters_json: &str,
+    source: Vec<String>,
+) -> PyResult<PyNominalModel> {
+    let parameters: Parameters = serde_json::from_str(parameters_json)
+        .map_err(|error| errors::input(format!("parameters of learning: {error}")))?;
+    let table = SymbolTable::parse(symbols_csv.unwrap_or("address\n")).map_err(errors::input)?;
+    let logs: Vec<ChangeLog> = logs.iter().map(|log| log.get().log.clone()).collect();
+    let model = py.detach(|| learn_model(&logs, &table, &parameters)).map_err(errors::input)?;
+    let provenance = Provenance { created: now_text(), source };
+    Ok(PyNominalModel { model: Arc::new(model), provenance })
+}
+
+/// Loads a model directory.
+#[pyfunction]
+pub fn load_model(py: Python<'_>, directory: &str) -> PyResult<PyNominalModel> {
+    let (model, provenance) =
+        py.detach(|| model_directory::load(Path::new(directory))).map_err(errors::model)?;
+    Ok(PyNominalModel { model: Arc::new(model), provenance })
+}
+
+/// The present time, ISO 8601 UTC.
+fn now_text() -> String {
+    let since_epoch = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+    time_text(i64::try_from(since_epoch.as_nanos()).unwrap_or(i64::MAX))
+}
