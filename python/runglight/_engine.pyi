@@ -47,7 +47,11 @@ class ChangeLog:
         """`(time_ns int64, signal index uint32, value int64)` as numpy arrays."""
 
 def log_from_columns(
-    time_ns: Any, signal_index: Any, value: Any, signals: Sequence[str], scan_interval_ns: int | None = None
+    time_ns: Any,
+    signal_index: Any,
+    value: Any,
+    signals: Sequence[str],
+    scan_interval_ns: int | None = None,
 ) -> ChangeLog:
     """From three numpy arrays (int64, uint32, int64) and the names the indices stand for."""
 
@@ -99,7 +103,9 @@ class NominalModel:
     def confirm(self, finding_json: str) -> int:
         """Folds a finding's path into the model; returns the number of new transitions."""
 
-def learn(logs: Sequence[ChangeLog], symbols_csv: str | None = None, parameters_json: str = "{}") -> NominalModel:
+def learn(
+    logs: Sequence[ChangeLog], symbols_csv: str | None = None, parameters_json: str = "{}"
+) -> NominalModel:
     """Learns from fault-free logs. `symbols_csv` is the text of a symbol table."""
 
 def load_model(directory: str) -> NominalModel: ...

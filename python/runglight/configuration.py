@@ -1,4 +1,4 @@
-"""One file describes a machine: `runglight.toml`. Every option of the command line has a key here."""
+"""One file describes a machine: `runglight.toml`. What the command line can say has a key here."""
 
 import datetime
 import tomllib
@@ -17,8 +17,6 @@ DEFAULT_FILE = Path("runglight.toml")
 DEFAULT_NAMING = "{group}-{device}-{signal}"
 
 Positive = Annotated[float, Meta(gt=0)]
-AtLeastOne = Annotated[int, Meta(ge=1)]
-Share = Annotated[float, Meta(ge=0, le=1)]
 
 
 class SignalState(Struct, forbid_unknown_fields=True, frozen=True):
@@ -28,26 +26,26 @@ class SignalState(Struct, forbid_unknown_fields=True, frozen=True):
     """How limits of time are learned: `adaptive`, or `plat` as published (Ghosh 2016)."""
     false_alarms_per_day: Positive = 1.0
     """Budget of false alarms; what it cannot pay for is a notice."""
-    k: AtLeastOne = 5
+    k: Annotated[int, Meta(ge=2)] = 5
     """`plat`: clusters that CSk-means starts with."""
-    epsilon: AtLeastOne = 20
-    """`plat`: runs of CSk-means, of which the best is kept."""
+    epsilon: Positive = 20.0
+    """`plat`: ε of the relative gap by which CSk-means places its first clusters."""
     single_cluster_span_s: Annotated[float, Meta(ge=0)] = 3.0
     """`plat`: times that span no more than this are one cluster."""
     merge_distance_s: Annotated[float, Meta(ge=0)] = 3.0
     """`plat`: clusters whose centres are nearer than this are merged."""
-    minimum_support: Share = 0.08
-    """`plat`: clusters with a smaller share of the instances are discarded."""
+    minimum_support: Annotated[float, Meta(ge=0, lt=1)] = 0.08
+    """`plat`: clusters with no larger share of the instances are dropped."""
     return_within_s: Positive = 60.0
     """A device back on known transitions within this time has returned from an alarm path."""
     stall_after_s: Positive = 180.0
     """A group without an event for this long has stalled."""
     stall_learned: bool = False
     """Stall after the longest nominal pause times 1.5 instead of `stall_after_s`."""
-    check_every: AtLeastOne = 30
+    check_every: Annotated[int, Meta(ge=1, le=1_000_000)] = 30
     """Group cycles between two checks of probabilities and average times."""
-    significant_change: Share = 0.15
-    """A probability that differs by more than this has changed."""
+    significant_change: Positive = 0.15
+    """Smallest change of a probability, or relative change of an average time, that counts."""
     scan_interval_s: Positive | None = None
     """Time between two scans of the PLC, where the log does not tell."""
     starting: dict[str, str] = {}

@@ -29,6 +29,7 @@ def confirm(model: Path, finding_id: str, /) -> int:
         Model directory; `runglight watch` has kept the finding there.
     finding_id: str
         The id, as `runglight watch` shows it.
+
     """
     nominal = load_model(model)
     line = _newest(model, finding_id)

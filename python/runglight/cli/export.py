@@ -20,5 +20,6 @@ def export(log: str, /, *, to: Path, options: ReaderOptions | None = None) -> in
         The log to read.
     to: Path
         The file to write: `.csv`, `.parquet`, `.xes` or `.vcd`.
+
     """
     return convert_log(log, to, options or ReaderOptions())

@@ -101,7 +101,9 @@ def expectation(finding: Finding) -> str:
         + (f" {expected.probability:.0%}" if expected.probability is not None else "")
         for expected in finding.expected[:3]
     ]
-    if finding.kind in {"late", "early", "stall"} and finding.limit_s is not None:
+    if finding.kind == "stall" and finding.limit_s is not None:
+        return f"an event within {_seconds(finding.limit_s)}"
+    if finding.kind in {"late", "early"} and finding.limit_s is not None:
         bound = "at least" if finding.kind == "early" else "within"
         took = f", took {_seconds(finding.observed_s)}" if finding.observed_s is not None else ""
         states = [f"{bound} {_seconds(finding.limit_s)}{took}"]

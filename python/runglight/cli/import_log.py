@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from pathlib import Path
 
-
 from runglight.cli import terminal
 from runglight.cli.exit_codes import DONE
 from runglight.cli.reader_options import ReaderOptions, read
@@ -25,6 +24,7 @@ def import_log(source: str, /, *, to: Path, options: ReaderOptions | None = None
         The log to read.
     to: Path
         The file to write: `.csv`, `.parquet`, `.xes` or `.vcd`.
+
     """
     return convert_log(source, to, options or ReaderOptions())
 

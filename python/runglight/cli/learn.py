@@ -34,13 +34,13 @@ class LearningOptions:
     false_alarms: str | None = None
     "Budget of false alarms (default: `1/day`): `2/week`, `0.5/h`."
     stall_after: str | None = None
-    "A group silent for this long has stalled (default: `180s`); `learned`: 1.5 × the longest pause."
+    "A silent group has stalled (default: `180s`); `learned`: 1.5 times the longest pause."
     return_within: str | None = None
     "A device back on known transitions within this time has returned (default: `60s`)."
     check_every: int | None = None
     "Group cycles between two checks of probabilities and average times (default: 30)."
     significant_change: float | None = None
-    "A probability that differs by more than this has changed (default: 0.15)."
+    "Smallest change of a probability or (relative) average time that counts (default: 0.15)."
     scan_interval: str | None = None
     "Time between two scans of the PLC (`10ms`), where the log does not tell."
     starting: tuple[str, ...] = ()
@@ -91,6 +91,7 @@ def learn(
         Logs of fault-free operation: CSV, Parquet, XES or VCD.
     output: Path
         Directory to write the model to; a model that is there is replaced.
+
     """
     configuration = (options or ReaderOptions()).configuration()
     parameters = parameters_of(configuration, learning or LearningOptions())

@@ -47,7 +47,7 @@ def print_summary(console: Console, name: str, summary: dict[str, Any]) -> None:
             table.add_row(
                 Text(group["group"] if position == 0 else ""),
                 Text(device["device"]),
-                Text(device["start"] or "–"),
+                Text(device["start"] or "-"),
                 f"{device['signals']:,}",
                 f"{device['rules']:,}",
             )

@@ -66,6 +66,7 @@ def show(
         File to write instead of standard output.
     config: Path
         Configuration file (default: `runglight.toml`, if there is one).
+
     """
     chosen = format or _by_ending(output) or load_configuration(config).show.format or "table"
     nominal = load_model(model)

@@ -8,6 +8,7 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal, TextIO
 
+import msgspec
 from cyclopts import Parameter
 
 from runglight.cli import terminal
@@ -64,10 +65,18 @@ def watch(
     state: Path
         Go on where the last log ended, and keep the state for the next one. The last scan stays
         open until then.
+
     """
     options = options or ReaderOptions()
     configuration = options.configuration()
-    settings = _settings(configuration, format, output, fail_on, notices, state)
+    settings = _laid_over(
+        configuration.watch,
+        format=format,
+        output=output,
+        fail_on=fail_on,
+        notices=notices,
+        state=state,
+    )
     source = source or configuration.source.url
     if source is None:
         raise InputError(
@@ -179,18 +188,10 @@ def _named(log: Log, model: NominalModel, configuration: Configuration) -> Log:
     return renamed(log, names_by_address(table, naming), known)
 
 
-def _settings(
-    configuration: Configuration,
-    format: Literal["table", "jsonl", "csv"] | None,
-    output: Path | None,
-    fail_on: Literal["fault", "anomaly"] | None,
-    notices: bool | None,
-    state: Path | None,
-) -> Watch:
-    settings = configuration.watch
-    settings.format = format or settings.format
-    settings.output = settings.output if output is None else str(output)
-    settings.fail_on = fail_on or settings.fail_on
-    settings.notices = settings.notices if notices is None else notices
-    settings.state = settings.state if state is None else str(state)
-    return settings
+def _laid_over(file: Watch, **said: object) -> Watch:
+    changes = {
+        key: str(value) if isinstance(value, Path) else value
+        for key, value in said.items()
+        if value is not None
+    }
+    return msgspec.structs.replace(file, **changes)

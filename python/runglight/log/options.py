@@ -19,7 +19,7 @@ class ReadOptions(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True
     value_column: str | None = None
     """Long format: column that holds the value."""
     time_format: str | None = None
-    """`iso`, `clock`, `s`, `ms`, `us`, `ns`, `s-year1`, or a pattern like `%d.%m.%Y %H:%M:%S%.f`."""
+    """`iso`, `clock`, `s`, `ms`, `us`, `ns`, `s-year1`, or a pattern: `%d.%m.%Y %H:%M:%S%.f`."""
     date: str | None = None
     """Day of the first row (`2026-01-31`) where the file has only times of day."""
     delimiter: str | None = None

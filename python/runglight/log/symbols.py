@@ -1,7 +1,7 @@
 """The symbol table `symbols.csv`: which address belongs to which device, under which name."""
 
 import csv
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterator, Mapping
 from pathlib import Path
 
 from runglight.errors import InputError
@@ -12,10 +12,9 @@ def read_symbols(path: Path) -> str:
     """The text of a symbol table, checked to be text with a column `address`."""
     try:
         text = path.read_text(encoding="utf-8-sig")
+        header = [name.strip().casefold() for name in next(_rows(text), [])]
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: not UTF-8 text (byte {error.start}); save it as UTF-8") from None
-    try:
-        header = [name.strip().casefold() for name in next(csv.reader(text.splitlines()), [])]
     except csv.Error as error:
         raise InputError(f"{path}: not a CSV table: {error}") from None
     if "address" not in header:
@@ -26,13 +25,21 @@ def read_symbols(path: Path) -> str:
     return text
 
 
+def _rows(text: str) -> Iterator[list[str]]:
+    lines = text.splitlines()
+    first = lines[0] if lines else ""
+    delimiter = next((known for known in ";\t," if known in first), ",")
+    return csv.reader(lines, delimiter=delimiter)
+
+
 def names_by_address(symbols_csv: str, naming: str) -> dict[str, str]:
     """What the table calls each address, by the naming rule; addresses without a name are left."""
     names: dict[str, str] = {}
-    for row in csv.DictReader(symbols_csv.splitlines()):
-        cells = {
-            key.strip().casefold(): value.strip() for key, value in row.items() if key and value
-        }
+    rows = _rows(symbols_csv)
+    header = [name.strip().casefold() for name in next(rows, [])]
+    for row in rows:
+        # A short row lacks its last cells, which is as good as empty ones.
+        cells = dict(zip(header, map(str.strip, row), strict=False))
         address, signal = cells.get("address"), cells.get("signal")
         if address and signal:
             parts = {"group": cells.get("group", ""), "device": cells.get("device", "")}
