@@ -1,0 +1,50 @@
+"""Simulated machines: plant, PLC program and logger, kept apart, with faults to switch on."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from runglight.plants import cell
+from runglight.plants.faults import FaultDescription, FaultKind, FaultLabel, find_fault
+from runglight.plants.run import PlantRun
+from runglight.plants.symbols import Symbol, symbols_csv, write_symbols
+
+__all__ = [
+    "PLANTS",
+    "FaultDescription",
+    "FaultKind",
+    "FaultLabel",
+    "PlantDescription",
+    "PlantRun",
+    "Symbol",
+    "find_fault",
+    "symbols_csv",
+    "write_symbols",
+]
+
+
+@dataclass(frozen=True, slots=True)
+class PlantDescription:
+    """A machine that can be simulated: what it is, its signals and faults, and how to run it.
+
+    `simulate` takes at least `cycles`, `seed`, `fault`, `fault_cycle` and `start_ns`, all optional.
+    """
+
+    name: str
+    description: str
+    symbols: tuple[Symbol, ...]
+    faults: Mapping[int, FaultDescription]
+    simulate: Callable[..., PlantRun]
+
+
+PLANTS: dict[str, PlantDescription] = {
+    "cell": PlantDescription(
+        name="cell",
+        description=(
+            "A part loader, two robots and a clamping table (Daecha) place, seal and pass on one "
+            "part after another."
+        ),
+        symbols=cell.SYMBOLS,
+        faults=cell.FAULTS,
+        simulate=cell.simulate_cell,
+    ),
+}
