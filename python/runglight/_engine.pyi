@@ -39,12 +39,19 @@ class ChangeLog:
     @property
     def report_json(self) -> str:
         """What reading did: `{format, rows, bad_rows, bad: [{row, reason}], left_out: [{column, reason}], notes: []}`."""
-    def slice(self, offset: int, length: int | None = None) -> ChangeLog: ...
+    def slice(self, offset: int, length: int | None = None) -> ChangeLog:
+        """Some of the rows; the gaps among them are kept."""
+    def with_signals(self, signals: Sequence[str]) -> ChangeLog:
+        """The same rows, gaps and report under other names of the signals."""
     def columns(self) -> tuple[Any, Any, Any]:
         """`(time_ns int64, signal index uint32, value int64)` as numpy arrays."""
 
 def log_from_columns(
-    time_ns: Any, signal_index: Any, value: Any, signals: Sequence[str], scan_interval_ns: int | None = None
+    time_ns: Any,
+    signal_index: Any,
+    value: Any,
+    signals: Sequence[str],
+    scan_interval_ns: int | None = None,
 ) -> ChangeLog:
     """From three numpy arrays (int64, uint32, int64) and the names the indices stand for."""
 
@@ -66,7 +73,7 @@ class Monitor:
     """Watches one plant; every split of a log into batches gives the same findings."""
 
     def observe(self, batch: Any) -> Findings:
-        """Takes a ChangeLog or an Arrow table of changes in time order."""
+        """Takes a ChangeLog (its gaps count as declared) or an Arrow table of changes in time order."""
     def gap(self, start_ns: int, end_ns: int) -> Findings:
         """Nothing was recorded between two times: resynchronise instead of alarming."""
     def advance(self, now_ns: int) -> Findings:
@@ -82,7 +89,10 @@ class NominalModel:
 
     def rules(self) -> Any:
         """The transition rules, an object with `__arrow_c_stream__` (columns of `rules.parquet`)."""
-    def save(self, directory: str) -> None: ...
+    def rules_json(self, group: str | None = None, device: str | None = None) -> str:
+        """The rows of `rules()` as a JSON list of objects keyed by column; of one group, or one device."""
+    def save(self, directory: str) -> None:
+        """Replaces the model's own files as one; `findings.sqlite` in the directory stays."""
     def summary_json(self) -> str:
         """`{created, format, timing, signals, devices, groups, rules, events, duration_s, scan_interval_s, unnamed: [...], group_list: [{group, start, devices: [{device, start, signals, rules}]}]}`."""
     def dot(self, group: str, device: str | None = None) -> str:
@@ -93,8 +103,9 @@ class NominalModel:
     def confirm(self, finding_json: str) -> int:
         """Folds a finding's path into the model; returns the number of new transitions."""
 
-def learn(logs: Sequence[ChangeLog], symbols_csv: str | None = None, parameters_json: str = "{}") -> NominalModel:
+def learn(
+    logs: Sequence[ChangeLog], symbols_csv: str | None = None, parameters_json: str = "{}"
+) -> NominalModel:
     """Learns from fault-free logs. `symbols_csv` is the text of a symbol table."""
 
 def load_model(directory: str) -> NominalModel: ...
-def finding_json_schema() -> str: ...

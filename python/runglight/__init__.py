@@ -1,0 +1,72 @@
+"""runglight learns how a PLC-controlled machine behaves and says what departs from it.
+
+    import runglight as rl
+
+    log = rl.read_log("cell.csv")
+    model = rl.learn(log)
+    model.save("cell.model")
+    for finding in rl.load_model("cell.model").watch(rl.read_log("today.csv")):
+        print(finding["time"], finding["message"])
+
+Everything public is a name of this package; it is loaded when it is first used.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from runglight._engine import __version__
+    from runglight.configuration import Parameters
+    from runglight.errors import InputError, ModelError, RunglightError
+    from runglight.findings.batch import Findings
+    from runglight.findings.schema import finding_schema
+    from runglight.log.changelog import Log, read_log
+    from runglight.log.options import ReadOptions
+    from runglight.model import Monitor, NominalModel, learn, load_model
+
+__all__ = [
+    "Findings",
+    "InputError",
+    "Log",
+    "ModelError",
+    "Monitor",
+    "NominalModel",
+    "Parameters",
+    "ReadOptions",
+    "RunglightError",
+    "__version__",
+    "finding_schema",
+    "learn",
+    "load_model",
+    "read_log",
+]
+
+# Where each public name lives. A plain `import runglight` loads none of these rooms, so that the
+# command line answers `--help` at once.
+_HOMES = {
+    "Findings": "runglight.findings.batch",
+    "InputError": "runglight.errors",
+    "Log": "runglight.log.changelog",
+    "ModelError": "runglight.errors",
+    "Monitor": "runglight.model",
+    "NominalModel": "runglight.model",
+    "Parameters": "runglight.configuration",
+    "ReadOptions": "runglight.log.options",
+    "RunglightError": "runglight.errors",
+    "__version__": "runglight._engine",
+    "finding_schema": "runglight.findings.schema",
+    "learn": "runglight.model",
+    "load_model": "runglight.model",
+    "read_log": "runglight.log.changelog",
+}
+
+
+def __getattr__(name: str) -> object:
+    home = _HOMES.get(name)
+    if home is None:
+        raise AttributeError(f"module 'runglight' has no attribute {name!r}")
+    return getattr(import_module(home), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

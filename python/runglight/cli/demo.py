@@ -1,0 +1,205 @@
+"""`runglight demo`: learn a simulated cell, break it, name the fault."""
+
+from __future__ import annotations
+
+import json
+import time
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from rich import box
+from rich.panel import Panel
+from rich.table import Table
+from rich.text import Text
+
+from runglight.cli import terminal
+from runglight.cli.exit_codes import DONE
+from runglight.cli.finding_table import (
+    STYLES,
+    expectation,
+    look_first,
+    newest_lines,
+    print_findings,
+    spoken_time,
+    summary_line,
+)
+from runglight.cli.model_tables import print_rules, print_summary
+from runglight.cli.output import output
+from runglight.cli.simulate import log_of, run_plant, symbols_of
+from runglight.drawing import draw_svg, graphviz_program
+from runglight.errors import InputError
+from runglight.findings.finding import Finding, decode_finding
+from runglight.findings.store import FindingStore
+from runglight.model import NominalModel, learn
+
+if TYPE_CHECKING:
+    from rich.console import Console
+
+    from runglight.log.changelog import Log
+
+NOMINAL_CYCLES = 20
+SHOWN_DEVICE = "PrtLDR"
+
+
+def demo(*, fault: str = "1", to: Path = Path("demo-out")) -> int:
+    """Break a simulated machine and have the fault named.
+
+    Simulates twenty cycles of an assembly cell, learns them, breaks the cell, and says which
+    device departed, at which address, what should have happened, and how the machine got there.
+
+    Parameters
+    ----------
+    fault: str
+        Which of the twelve faults, by number or name; `runglight simulate --list` names them.
+    to: Path
+        Directory for logs, model, drawings and findings (default: `demo-out`).
+
+    """
+    # Plants need numpy: not before one is asked for.
+    from runglight.plants import PLANTS, find_fault  # noqa: PLC0415
+
+    cell = PLANTS["cell"]
+    try:
+        broken = find_fault(cell.faults, fault)
+    except ValueError as error:
+        raise InputError(f"--fault: {error}") from None
+    to.mkdir(parents=True, exist_ok=True)
+    console = terminal.results()
+
+    _step(console, 1, f"{NOMINAL_CYCLES} cycles of a sound cell: {cell.description}")
+    nominal = log_of(run_plant(cell, cycles=NOMINAL_CYCLES, seed=1, faults=()))
+    nominal.write(to / "nominal.csv")
+    with output(to / "symbols.csv") as stream:
+        stream.write(symbols_of(cell))
+
+    _step(console, 2, "Learn what nominal looks like")
+    model = learn(nominal, symbols=to / "symbols.csv")
+    model_directory = to / "cell.model"
+    model.save(model_directory)
+    summary = model.summary()
+    print_summary(console, str(model_directory), summary)
+    group = next(
+        entry["group"]
+        for entry in summary["group_list"]
+        if any(device["device"] == SHOWN_DEVICE for device in entry["devices"])
+    )
+    rows = json.loads(model.rules_json(group, SHOWN_DEVICE))
+    print_rules(console, f"The part loader, {group}-{SHOWN_DEVICE}", rows)
+    drawings = _draw(console, model, summary, to)
+
+    _step(console, 3, f"Break it, fault {broken.number}: {broken.sentence}")
+    faulty = log_of(run_plant(cell, cycles=None, seed=2, faults=(fault,)))
+    faulty.write(to / "faulty.csv")
+
+    _step(console, 4, "Watch")
+    lines, snapshots, seconds = _watch(model, faulty, model_directory)
+    with output(to / "findings.jsonl") as stream:
+        stream.writelines(line + "\n" for line in lines)
+    findings = [decode_finding(line) for line in lines]
+    _name_the_fault(console, findings, snapshots)
+    print_findings(console, findings, notices=False)
+    console.print(Text(summary_line(findings, len(faulty), seconds)), soft_wrap=True)
+    _next(console, to, model_directory, drawings, findings)
+    return DONE
+
+
+def _watch(
+    model: NominalModel, log: Log, directory: Path
+) -> tuple[list[str], dict[str, Any], float]:
+    started = time.perf_counter()
+    monitor = model.monitor()
+    lines = monitor.observe(log).json_lines() + monitor.finish().json_lines()
+    seconds = time.perf_counter() - started
+    snapshots = monitor.take_snapshots()
+    with FindingStore(directory) as store:
+        store.append(lines, snapshots)
+    by_id = {snapshot["id"]: snapshot for snapshot in map(json.loads, snapshots)}
+    return lines, by_id, seconds
+
+
+def _name_the_fault(console: Console, findings: list[Finding], snapshots: dict[str, Any]) -> None:
+    alarms = [finding for finding in newest_lines(findings) if finding.severity != "notice"]
+    if not alarms:
+        console.print("Nothing departed from the model.")
+        return
+    first = alarms[0]
+    facts = Table(box=None, show_header=False, pad_edge=False)
+    facts.add_column(style="bold", no_wrap=True)
+    facts.add_column(overflow="fold")
+    facts.add_row("What", Text(first.message))
+    facts.add_row("When", Text(f"{spoken_time(first.time)} UTC"))
+    facts.add_row("Where", Text(first.place))
+    facts.add_row("Look first at", Text(look_first(alarms)))
+    if expected := expectation(first):
+        facts.add_row("Expected", Text(expected))
+    if first.path:
+        facts.add_row("How it got there", Text(" → ".join(_short(first, first.path))))
+    elif first.from_state:
+        states = [state for state in (first.from_state, first.to_state) if state]
+        facts.add_row("How it got there", Text(" → ".join(_short(first, states))))
+    others = snapshots.get(first.snapshot_id or "", {}).get("devices", {})
+    if others:
+        # The snapshot: where every device stood at the first sign.
+        facts.add_row("Devices then", Text(", ".join(str(state) for state in others.values())))
+    title = Text(f"{first.severity}: {first.kind.replace('_', ' ')}".upper())
+    style = STYLES.get(first.severity, "")
+    console.print(Panel(facts, title=title, border_style=style, box=box.ROUNDED, padding=(1, 2)))
+
+
+def _short(finding: Finding, states: list[str]) -> list[str]:
+    return [state.removeprefix(f"{finding.place}-") for state in states]
+
+
+def _draw(console: Console, model: NominalModel, summary: dict[str, object], to: Path) -> list[str]:
+    drawn: list[str] = []
+    can_draw = graphviz_program() is not None
+    for group, device in _parts(summary):
+        name = group if device is None else f"{group}-{device}"
+        dot = model.dot(group, device)
+        with output(to / f"{name}.dot") as stream:
+            stream.write(dot)
+        if can_draw:
+            with terminal.working(f"Drawing {name}"), output(to / f"{name}.svg") as stream:
+                stream.write(draw_svg(dot))
+        drawn.append(f"{name}.{'svg' if can_draw else 'dot'}")
+    if not can_draw:
+        terminal.note(
+            "no Graphviz here, so the drawings are .dot files: apt install graphviz, "
+            'or pip install "runglight[svg]"'
+        )
+    return drawn
+
+
+def _parts(summary: dict[str, object]) -> list[tuple[str, str | None]]:
+    parts: list[tuple[str, str | None]] = []
+    groups = summary["group_list"]
+    assert isinstance(groups, list)
+    for entry in groups:
+        parts.append((entry["group"], None))
+        parts.extend((entry["group"], device["device"]) for device in entry["devices"])
+    return parts
+
+
+def _step(console: Console, number: int, sentence: str) -> None:
+    console.print()
+    console.print(Text.assemble((f"{number}  ", "bold cyan"), (sentence, "bold")))
+
+
+def _next(
+    console: Console, to: Path, model: Path, drawings: list[str], findings: list[Finding]
+) -> None:
+    console.print()
+    console.print(
+        Text(f"Written to {to}: logs, symbol table, model, findings and {len(drawings)} drawings.")
+    )
+    console.print(Text("Next:", "bold"))
+    commands = [
+        f"runglight show {model} --device {SHOWN_DEVICE}",
+        f"runglight watch {model} {to / 'faulty.csv'} --format jsonl",
+        f"runglight simulate cell --log other.csv --fault 5 && runglight watch {model} other.csv",
+    ]
+    confirmable = [finding.id for finding in findings if finding.path and finding.kind != "stall"]
+    if confirmable:
+        commands.append(f"runglight confirm {model} {confirmable[-1]}")
+    for command in commands:
+        console.print(Text(f"  {command}"), soft_wrap=True)

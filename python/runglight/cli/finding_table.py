@@ -1,0 +1,166 @@
+"""Findings as a table for the person in front of the machine."""
+
+from __future__ import annotations
+
+from collections import Counter
+from typing import TYPE_CHECKING
+
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+from runglight.cli.model_tables import counted
+from runglight.findings.schema import SEVERITIES
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from rich.console import Console
+
+    from runglight.findings.finding import Finding
+
+STYLES = {"fault": "bold red", "anomaly": "yellow", "notice": "dim"}
+CONSEQUENCES_SHOWN = 6
+INCIDENTS_SHOWN = 200
+
+
+def newest_lines(findings: Iterable[Finding]) -> list[Finding]:
+    """One line per finding, the newest, in the order in which the findings were made."""
+    newest: dict[str, Finding] = {}
+    for finding in findings:
+        newest[finding.id] = finding
+    return list(newest.values())
+
+
+def incidents_of(findings: Iterable[Finding]) -> list[list[Finding]]:
+    """The findings of each incident, first finding first."""
+    incidents: dict[str, list[Finding]] = {}
+    for finding in findings:
+        incidents.setdefault(finding.incident, []).append(finding)
+    return list(incidents.values())
+
+
+def print_findings(console: Console, findings: Sequence[Finding], *, notices: bool) -> None:
+    """The table: consequences of one incident below its first finding."""
+    newest = newest_lines(findings)
+    shown = [finding for finding in newest if notices or finding.severity != "notice"]
+    incidents = incidents_of(shown)
+    if incidents:
+        console.print(_table(incidents[:INCIDENTS_SHOWN]))
+    hidden = len(incidents) - INCIDENTS_SHOWN
+    if hidden > 0:
+        _say(console, f"… and {counted(hidden, 'further incident')}: --format jsonl gives all.")
+    quiet = [finding for finding in newest if finding.severity == "notice"]
+    if quiet and not notices:
+        _say(
+            console,
+            f"{counted(len(quiet), 'notice')} not shown ({_by_kind(quiet)}): "
+            "unusual, but nothing the false-alarm budget pays for. --notices shows them.",
+            "dim",
+        )
+
+
+def summary_line(findings: Iterable[Finding], events: int, seconds: float) -> str:
+    """`1 fault, 2 anomalies (stall 1, late 2) · 12,345 events in 0.1 s (123,450 events/s)`."""
+    newest = newest_lines(findings)
+    alarms = [finding for finding in newest if finding.severity != "notice"]
+    severities = Counter(finding.severity for finding in newest)
+    plurals = {"fault": "faults", "anomaly": "anomalies", "notice": "notices"}
+    parts = [
+        f"{severities[severity]:,} {severity if severities[severity] == 1 else plurals[severity]}"
+        for severity in SEVERITIES
+        if severities[severity]
+    ]
+    told = ", ".join(parts) or "No findings"
+    if alarms:
+        told += f" ({_by_kind(alarms)})"
+    rate = f" ({events / seconds:,.0f} events/s)" if seconds > 0 else ""
+    return f"{told} · {counted(events, 'event')} in {seconds:.2f} s{rate}"
+
+
+def look_first(incident: Sequence[Finding]) -> str:
+    """Where to look first: what departed before everything else of the incident."""
+    first = incident[0]
+    suspect = first.suspects[0] if first.suspects else None
+    signal = (suspect and suspect.signal) or first.signal or first.from_state
+    address = (suspect and suspect.address) or first.address
+    signal = None if signal is None else signal.removeprefix(first.place + "-")
+    parts = [first.place]
+    if signal:
+        parts.append(f"signal {signal}")
+    if address and address != first.signal and not (signal and address.endswith(signal)):
+        parts.append(f"address {address}")
+    return ", ".join(part for part in parts if part)
+
+
+def expectation(finding: Finding) -> str:
+    """What should have happened, in a few words."""
+    prefix = finding.place + "-"
+    states = [
+        expected.state.removeprefix(prefix)
+        + (f" {expected.probability:.0%}" if expected.probability is not None else "")
+        for expected in finding.expected[:3]
+    ]
+    if finding.kind == "stall" and finding.limit_s is not None:
+        return f"an event within {_seconds(finding.limit_s)}"
+    if finding.kind in {"late", "early"} and finding.limit_s is not None:
+        bound = "at least" if finding.kind == "early" else "within"
+        took = f", took {_seconds(finding.observed_s)}" if finding.observed_s is not None else ""
+        states = [f"{bound} {_seconds(finding.limit_s)}{took}"]
+    return " or ".join(states)
+
+
+def _table(incidents: Sequence[Sequence[Finding]]) -> Table:
+    table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+    table.add_column("Time (UTC)", no_wrap=True)
+    table.add_column("Severity", no_wrap=True)
+    table.add_column("Device", overflow="fold")
+    table.add_column("What happened", ratio=3, min_width=30)
+    table.add_column("Expected", ratio=1, min_width=12)
+    table.add_column("Id", overflow="fold", no_wrap=True)
+    for incident in incidents:
+        stalled = any(finding.kind == "stall" for finding in incident)
+        for position, finding in enumerate(incident[: CONSEQUENCES_SHOWN + 1]):
+            what = Text(("└ " if position else "") + finding.message)
+            if position == 0 and stalled:
+                what.append(f"\n→ Look first at {look_first(incident)}.", style="bold")
+            _add_row(table, finding, what)
+        rest = len(incident) - CONSEQUENCES_SHOWN - 1
+        if rest > 0:
+            table.add_row("", "", "", Text(f"└ and {rest:,} more that follow from it", "dim"))
+    return table
+
+
+def _add_row(table: Table, finding: Finding, what: Text) -> None:
+    style = STYLES.get(finding.severity, "")
+    severity = Text(finding.severity, style)
+    if finding.state not in {"suspected", "confirmed"}:
+        severity.append(f"\n{finding.state}", "dim")
+    table.add_row(
+        Text(spoken_time(finding.time)),
+        severity,
+        Text(finding.place),
+        what,
+        Text(expectation(finding)),
+        Text(finding.id, "dim"),
+    )
+
+
+def spoken_time(iso: str) -> str:
+    """`2026-01-05T06:12:03.123456789Z` to the millisecond, as people write it."""
+    day, _, clock = iso.removesuffix("Z").partition("T")
+    whole, _, fraction = clock.partition(".")
+    return f"{day} {whole}.{(fraction + '000')[:3]}"
+
+
+def _by_kind(findings: Iterable[Finding]) -> str:
+    kinds = Counter(finding.kind for finding in findings)
+    return ", ".join(f"{kind} {number:,}" for kind, number in kinds.most_common())
+
+
+def _seconds(value: float | None) -> str:
+    return "" if value is None else f"{value:.2f} s" if value < 100 else f"{value:.0f} s"
+
+
+def _say(console: Console, sentence: str, style: str = "") -> None:
+    console.print(Text(sentence, style), soft_wrap=True)

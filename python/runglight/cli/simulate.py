@@ -1,0 +1,145 @@
+"""`runglight simulate`: the log of a simulated plant, sound or broken."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import msgspec
+from cyclopts import Parameter
+from rich import box
+from rich.table import Table
+from rich.text import Text
+
+from runglight.cli import terminal
+from runglight.cli.exit_codes import DONE
+from runglight.cli.model_tables import counted
+from runglight.cli.output import output
+from runglight.errors import InputError
+from runglight.log.changelog import Log
+from runglight.nearest import suggestion
+
+if TYPE_CHECKING:
+    from runglight.plants import PlantDescription, PlantRun
+
+
+def simulate(
+    plant: str | None = None,
+    /,
+    *,
+    log: Path | None = None,
+    cycles: int | None = None,
+    seed: int = 1,
+    fault: tuple[str, ...] = (),
+    labels: Path | None = None,
+    symbols: Path | None = None,
+    list_plants: Annotated[bool, Parameter(name="--list")] = False,
+) -> int:
+    """Run a simulated plant and write what a logger at its PLC would have seen.
+
+    Parameters
+    ----------
+    plant: str
+        The plant; `--list` names them.
+    log: Path
+        File to write: `.csv`, `.parquet`, `.xes` or `.vcd`.
+    cycles: int
+        Cycles to run (default: the plant's own).
+    seed: int
+        The same seed gives the same log.
+    fault: tuple[str, ...]
+        A fault by number or name; repeat it for several. `--list` names them.
+    labels: Path
+        Write what was broken, when, and where it shows, as JSON.
+    symbols: Path
+        Write the plant's symbol table.
+    list_plants: bool
+        Name the plants and their faults.
+
+    """
+    if list_plants:
+        _list(plant)
+        return DONE
+    if plant is None:
+        raise InputError("which plant? runglight simulate --list names them")
+    description = _plant(plant)
+    if log is None and labels is None and symbols is None:
+        raise InputError(f"where to? runglight simulate {plant} --log FILE.csv")
+    run = run_plant(description, cycles=cycles, seed=seed, faults=fault)
+    console = terminal.results()
+    if log is not None:
+        rows = log_of(run).write(log)
+        console.print(Text(f"{log}: {counted(rows, 'row')} of {plant}"), soft_wrap=True)
+    if labels is not None:
+        with output(labels) as stream:
+            stream.write(labels_json(run))
+        console.print(Text(f"{labels}: {counted(len(run.labels), 'fault')}"), soft_wrap=True)
+    if symbols is not None:
+        with output(symbols) as stream:
+            stream.write(symbols_of(description))
+        known = counted(len(description.symbols), "signal")
+        console.print(Text(f"{symbols}: {known}"), soft_wrap=True)
+    return DONE
+
+
+def run_plant(
+    plant: PlantDescription, *, cycles: int | None, seed: int, faults: tuple[str, ...]
+) -> PlantRun:
+    """Runs a plant; InputError where it has no such fault or cannot run so."""
+    arguments: dict[str, object] = {"seed": seed, "fault": list(faults) or None}
+    if cycles is not None:
+        arguments["cycles"] = cycles
+    try:
+        with terminal.working(f"Simulating {plant.name}"):
+            return plant.simulate(**arguments)
+    except ValueError as error:
+        raise InputError(f"simulate {plant.name}: {error}") from None
+
+
+def log_of(run: PlantRun) -> Log:
+    """The change log of a run."""
+    return Log.from_columns(run.time_ns, run.signal_index, run.value, run.signals)
+
+
+def labels_json(run: PlantRun) -> str:
+    """What was broken, one JSON object each."""
+    text = msgspec.json.format(msgspec.json.encode(run.labels), indent=2)
+    return text.decode() + "\n"
+
+
+def symbols_of(plant: PlantDescription) -> str:
+    """The plant's symbol table."""
+    from runglight.plants import symbols_csv  # noqa: PLC0415
+
+    return symbols_csv(plant.symbols)
+
+
+def _plant(name: str) -> PlantDescription:
+    # Plants need numpy: not before one is asked for.
+    from runglight.plants import PLANTS  # noqa: PLC0415
+
+    if name not in PLANTS:
+        near = suggestion(name, PLANTS) or f"; there are: {', '.join(PLANTS)}"
+        raise InputError(f"there is no simulated plant {name!r}{near}")
+    return PLANTS[name]
+
+
+def _list(name: str | None) -> None:
+    from runglight.plants import PLANTS  # noqa: PLC0415
+
+    console = terminal.results()
+    for plant in PLANTS.values() if name is None else [_plant(name)]:
+        console.print(Text.assemble((plant.name, "bold"), f": {plant.description}"))
+        table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
+        table.add_column("Fault", justify="right")
+        table.add_column("Name", no_wrap=True)
+        table.add_column("Device", no_wrap=True)
+        table.add_column("What it does")
+        for fault in plant.faults.values():
+            table.add_row(
+                str(fault.number),
+                Text(fault.name),
+                Text(f"{fault.group}-{fault.device}"),
+                Text(fault.sentence),
+            )
+        console.print(table)

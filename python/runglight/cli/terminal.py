@@ -1,0 +1,59 @@
+"""Where the command line prints: results on standard output, the rest on standard error."""
+
+from __future__ import annotations
+
+import sys
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, TextIO
+
+from rich.console import Console
+
+from runglight import environment
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+WIDTH_WITHOUT_TERMINAL = 140
+
+
+def console_for(stream: TextIO) -> Console:
+    """A console on a stream; wide where no terminal sets the width."""
+    width = None if stream.isatty() else environment.columns(WIDTH_WITHOUT_TERMINAL)
+    return Console(file=stream, width=width, highlight=False, soft_wrap=False)
+
+
+def results() -> Console:
+    """Standard output, for what the user asked for."""
+    return console_for(sys.stdout)
+
+
+def note(sentence: str) -> None:
+    """Says something beside the result, on standard error."""
+    print(f"note: {' '.join(sentence.split())}", file=sys.stderr)
+
+
+@contextmanager
+def working(doing: str) -> Iterator[None]:
+    """A spinner while something of unknown length runs; silent where no terminal is."""
+    if not _watched():
+        yield
+        return
+    with Console(file=sys.stderr).status(doing):
+        yield
+
+
+@contextmanager
+def progressing(doing: str, total: int) -> Iterator[Callable[[int], None]]:
+    """A bar that the given function advances; silent where no terminal is."""
+    if not _watched():
+        yield lambda _done: None
+        return
+    from rich.progress import Progress  # noqa: PLC0415
+
+    with Progress(console=Console(file=sys.stderr), transient=True) as progress:
+        task = progress.add_task(doing, total=total)
+        yield lambda done: progress.advance(task, done)
+
+
+def _watched() -> bool:
+    return sys.stderr.isatty() and not environment.unattended()

@@ -1,0 +1,197 @@
+"""`runglight watch`: what departs from the nominal model."""
+
+from __future__ import annotations
+
+import sqlite3
+import time
+from contextlib import ExitStack
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Literal, TextIO
+
+import msgspec
+from cyclopts import Parameter
+
+from runglight.cli import terminal
+from runglight.cli.exit_codes import DONE, FINDINGS
+from runglight.cli.finding_table import print_findings, summary_line
+from runglight.cli.output import output as output_to
+from runglight.cli.reader_options import ReaderOptions, read, refuse_live
+from runglight.errors import InputError
+from runglight.findings import flat
+from runglight.findings.finding import Finding, decode_finding
+from runglight.findings.store import FindingStore
+from runglight.log.symbols import names_by_address, read_symbols, renamed
+from runglight.model import ROWS_AT_ONCE, load_model
+from runglight.replacing import replacing
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator
+
+    from runglight.configuration import Configuration, Watch
+    from runglight.log.changelog import Log
+    from runglight.model import Monitor, NominalModel
+
+
+def watch(
+    model: Path,
+    source: str | None = None,
+    /,
+    *,
+    format: Literal["table", "jsonl", "csv"] | None = None,
+    output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
+    fail_on: Literal["fault", "anomaly"] | None = None,
+    notices: bool | None = None,
+    state: Path | None = None,
+    options: ReaderOptions | None = None,
+) -> int:
+    """Say what departs from the nominal model: where, when, and what should have happened.
+
+    Findings are kept in the model directory, so that `runglight confirm` finds them.
+
+    Parameters
+    ----------
+    model: Path
+        Model directory written by `runglight learn`.
+    source: str
+        The log to watch (default: `[source] url` of the configuration).
+    format: str
+        `table` for people (default), `jsonl` for programs, `csv` for spreadsheets.
+    output: Path
+        File to write instead of standard output.
+    fail_on: str
+        Exit with code 1 where there is a fault (`anomaly`: a fault or an anomaly).
+    notices: bool
+        Show notices in the table too.
+    state: Path
+        Go on where the last log ended, and keep the state for the next one. The last scan stays
+        open until then.
+
+    """
+    options = options or ReaderOptions()
+    configuration = options.configuration()
+    settings = _laid_over(
+        configuration.watch,
+        format=format,
+        output=output,
+        fail_on=fail_on,
+        notices=notices,
+        state=state,
+    )
+    source = source or configuration.source.url
+    if source is None:
+        raise InputError(
+            f"what shall be watched? runglight watch {model} LOG, or [source] url in runglight.toml"
+        )
+    refuse_live(source)
+    nominal = load_model(model)
+    log = _named(read(source, configuration.log), nominal, configuration)
+
+    started = time.perf_counter()
+    told = _Telling(settings)
+    with (
+        output_to(settings.output, keep_when_interrupted=settings.format != "table") as stream,
+        ExitStack() as stack,
+    ):
+        store = _store(model, stack)
+        told.begin(stream)
+        for lines in _watched(nominal, log, settings, store):
+            told.tell(lines, stream)
+        seconds = time.perf_counter() - started
+        told.end(stream, len(log), seconds)
+    return FINDINGS if told.met else DONE
+
+
+class _Telling:
+    """Writes findings as they come, and remembers what the end needs."""
+
+    def __init__(self, settings: Watch) -> None:
+        self._settings = settings
+        self._findings: list[Finding] = []
+        self._alarming = {None: (), "fault": ("fault",), "anomaly": ("fault", "anomaly")}[
+            settings.fail_on
+        ]
+        self.met = False
+
+    def begin(self, stream: TextIO) -> None:
+        if self._settings.format == "csv":
+            stream.write(flat.header())
+
+    def tell(self, lines: Iterable[str], stream: TextIO) -> None:
+        for line in lines:
+            finding = decode_finding(line)
+            self.met = self.met or finding.severity in self._alarming
+            self._findings.append(finding)
+            if self._settings.format == "jsonl":
+                stream.write(line + "\n")
+            elif self._settings.format == "csv":
+                stream.write(flat.row(line))
+
+    def end(self, stream: TextIO, events: int, seconds: float) -> None:
+        line = summary_line(self._findings, events, seconds)
+        if self._settings.format != "table":
+            terminal.note(line)
+            return
+        console = terminal.console_for(stream)
+        print_findings(console, self._findings, notices=self._settings.notices)
+        console.print(line, markup=False, soft_wrap=True)
+
+
+def _watched(
+    model: NominalModel, log: Log, settings: Watch, store: FindingStore | None
+) -> Iterator[list[str]]:
+    monitor = model.monitor(_restored(settings.state))
+    with terminal.progressing("Watching", len(log)) as advance:
+        for offset in range(0, len(log), ROWS_AT_ONCE):
+            batch = log.slice(offset, ROWS_AT_ONCE)
+            yield _kept(monitor.observe(batch).json_lines(), monitor, store)
+            advance(len(batch))
+    if settings.state is None:
+        yield _kept(monitor.finish().json_lines(), monitor, store)
+    else:
+        with replacing(Path(settings.state)) as temporary:
+            temporary.write_bytes(monitor.state())
+
+
+def _kept(lines: list[str], monitor: Monitor, store: FindingStore | None) -> list[str]:
+    snapshots = monitor.take_snapshots()
+    if store is not None and (lines or snapshots):
+        store.append(lines, snapshots)
+    return lines
+
+
+def _restored(state: str | None) -> bytes | None:
+    if state is None or not Path(state).exists():
+        return None
+    return Path(state).read_bytes()
+
+
+def _store(model: Path, stack: ExitStack) -> FindingStore | None:
+    try:
+        return stack.enter_context(FindingStore(model))
+    except sqlite3.Error as error:
+        terminal.note(
+            f"{model}: findings cannot be kept here ({error}), so runglight confirm will not know "
+            "them; make the directory writable"
+        )
+        return None
+
+
+def _named(log: Log, model: NominalModel, configuration: Configuration) -> Log:
+    if configuration.symbols.table is None:
+        return log
+    table = read_symbols(Path(configuration.symbols.table))
+    naming = configuration.symbols.naming
+    in_force = model.symbols()
+    known = set(names_by_address(in_force, naming)) | set(
+        names_by_address(in_force, naming).values()
+    )
+    return renamed(log, names_by_address(table, naming), known)
+
+
+def _laid_over(file: Watch, **said: object) -> Watch:
+    changes = {
+        key: str(value) if isinstance(value, Path) else value
+        for key, value in said.items()
+        if value is not None
+    }
+    return msgspec.structs.replace(file, **changes)

@@ -1,0 +1,182 @@
+"""One file describes a machine: `runglight.toml`. What the command line can say has a key here."""
+
+import datetime
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import msgspec
+from msgspec import Meta, Struct, field
+
+from runglight.errors import InputError
+from runglight.log.options import ReadOptions
+from runglight.nearest import suggestion
+from runglight.strictly import convert, known_keys
+
+DEFAULT_FILE = Path("runglight.toml")
+DEFAULT_NAMING = "{group}-{device}-{signal}"
+
+Positive = Annotated[float, Meta(gt=0)]
+
+
+class SignalState(Struct, forbid_unknown_fields=True, frozen=True):
+    """`[signal_state]`: how signal-state models are learned and watched."""
+
+    timing: Literal["adaptive", "plat"] = "adaptive"
+    """How limits of time are learned: `adaptive`, or `plat` as published (Ghosh 2016)."""
+    false_alarms_per_day: Positive = 1.0
+    """Budget of false alarms; what it cannot pay for is a notice."""
+    k: Annotated[int, Meta(ge=2)] = 5
+    """`plat`: clusters that CSk-means starts with."""
+    epsilon: Positive = 20.0
+    """`plat`: ε of the relative gap by which CSk-means places its first clusters."""
+    single_cluster_span_s: Annotated[float, Meta(ge=0)] = 3.0
+    """`plat`: times that span no more than this are one cluster."""
+    merge_distance_s: Annotated[float, Meta(ge=0)] = 3.0
+    """`plat`: clusters whose centres are nearer than this are merged."""
+    minimum_support: Annotated[float, Meta(ge=0, lt=1)] = 0.08
+    """`plat`: clusters with no larger share of the instances are dropped."""
+    return_within_s: Positive = 60.0
+    """A device back on known transitions within this time has returned from an alarm path."""
+    stall_after_s: Positive = 180.0
+    """A group without an event for this long has stalled."""
+    stall_learned: bool = False
+    """Stall after the longest nominal pause times 1.5 instead of `stall_after_s`."""
+    check_every: Annotated[int, Meta(ge=1, le=1_000_000)] = 30
+    """Group cycles between two checks of probabilities and average times."""
+    significant_change: Positive = 0.15
+    """Smallest change of a probability, or relative change of an average time, that counts."""
+    scan_interval_s: Positive | None = None
+    """Time between two scans of the PLC, where the log does not tell."""
+    starting: dict[str, str] = {}
+    """Starting signal of a device: `{ "Group-Device" = "Signal" }`."""
+
+
+class Parameters(SignalState, frozen=True):
+    """Everything `runglight.learn` takes beside logs and symbols."""
+
+    naming: str = DEFAULT_NAMING
+    """How a signal's name splits into group, device and signal."""
+
+    def __post_init__(self) -> None:
+        check_naming(self.naming)
+
+    def to_json(self) -> str:
+        """The parameters as the engine takes them."""
+        return msgspec.json.encode(self).decode()
+
+
+class Symbols(Struct, forbid_unknown_fields=True):
+    """`[symbols]`: what the signals are called."""
+
+    table: str | None = None
+    """Symbol table (`symbols.csv`), relative to the configuration file."""
+    naming: str = DEFAULT_NAMING
+    """How a signal's name splits into group, device and signal."""
+
+    def __post_init__(self) -> None:
+        check_naming(self.naming)
+
+
+class Source(Struct, forbid_unknown_fields=True):
+    """`[source]`: where the machine is."""
+
+    url: str | None = None
+    """Log file (or, with a later version, live address) that `watch` reads if none is named."""
+    interval: str | None = None
+    """Time between two scans: `10ms`."""
+
+
+class Watch(Struct, forbid_unknown_fields=True):
+    """`[watch]`: how findings are told."""
+
+    format: Literal["table", "jsonl", "csv"] = "table"
+    output: str | None = None
+    fail_on: Literal["fault", "anomaly"] | None = None
+    notices: bool = False
+    state: str | None = None
+
+
+class Show(Struct, forbid_unknown_fields=True):
+    """`[show]`: how a model is shown."""
+
+    format: Literal["table", "csv", "dot", "svg", "json"] | None = None
+
+
+class Configuration(Struct, forbid_unknown_fields=True):
+    """The whole of `runglight.toml`."""
+
+    source: Source = field(default_factory=Source)
+    symbols: Symbols = field(default_factory=Symbols)
+    log: ReadOptions = field(default_factory=ReadOptions)
+    signal_state: SignalState = field(default_factory=SignalState)
+    watch: Watch = field(default_factory=Watch)
+    show: Show = field(default_factory=Show)
+
+
+def check_naming(naming: str) -> None:
+    """A naming rule must say where the signal is, and name nothing else than the three parts."""
+    rest = naming
+    for part in ("{group}", "{device}", "{signal}"):
+        if rest.count(part) > 1:
+            raise ValueError(f"the naming rule {naming!r} has {part} twice")
+        rest = rest.replace(part, "")
+    if "{signal}" not in naming or "{" in rest or "}" in rest:
+        raise ValueError(
+            f"the naming rule {naming!r} must be made of {{group}}, {{device}} and {{signal}} "
+            f"(and {{signal}} must be in it), like {DEFAULT_NAMING}"
+        )
+
+
+def load_configuration(path: Path | None = None) -> Configuration:
+    """The configuration in `path`; without one `./runglight.toml` if present, else the defaults."""
+    if path is None:
+        if not DEFAULT_FILE.is_file():
+            return Configuration()
+        path = DEFAULT_FILE
+    try:
+        tables = tomllib.loads(path.read_text(encoding="utf-8-sig"))
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: not valid TOML: {_lowered(str(error))}") from None
+    except UnicodeDecodeError as error:
+        raise InputError(f"{path}: not UTF-8 text (byte {error.start}); save it as UTF-8") from None
+    configuration = _converted(tables, path)
+    # Paths in the file are seen from the file, not from where the command is run.
+    for owner, key in (
+        (configuration.symbols, "table"),
+        (configuration.watch, "output"),
+        (configuration.watch, "state"),
+    ):
+        if (value := getattr(owner, key)) is not None:
+            setattr(owner, key, str(path.parent / value))
+    url = configuration.source.url
+    if url is not None and "://" not in url and not url.startswith("replay:"):
+        configuration.source.url = str(path.parent / url)
+    return configuration
+
+
+def _converted(tables: dict[str, Any], path: Path) -> Configuration:
+    rooms = {field.name: field.type for field in msgspec.structs.fields(Configuration)}
+    for name, table in tables.items():
+        if name not in rooms:
+            homes = [room for room, settings in rooms.items() if name in known_keys(settings)]
+            near = suggestion(name, rooms) or (f" (it belongs in [{homes[0]}])" if homes else "")
+            raise InputError(f"{path}: unknown table [{name}]{near or _known(rooms)}")
+        if not isinstance(table, dict):
+            raise InputError(f"{path}: {name} must be a table: [{name}]")
+    # TOML has dates of its own: `date = 2026-01-31` needs no quotes.
+    day = tables.get("log", {}).get("date")
+    if isinstance(day, datetime.date):
+        tables["log"]["date"] = day.isoformat()[:10]
+    read = {
+        name: convert(table, rooms[name], f"{path}: [{name}]") for name, table in tables.items()
+    }
+    return Configuration(**read)
+
+
+def _known(rooms: dict[str, Any]) -> str:
+    return "; known: " + ", ".join(f"[{room}]" for room in rooms)
+
+
+def _lowered(text: str) -> str:
+    return text[:1].lower() + text[1:]

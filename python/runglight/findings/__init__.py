@@ -1,0 +1,1 @@
+"""Findings: what departed from the nominal model."""

@@ -1,0 +1,1 @@
+"""Change logs: reading, writing, naming."""

@@ -1,0 +1,151 @@
+"""The change log: all events of a plant in time order."""
+
+from __future__ import annotations
+
+import os
+from datetime import UTC, datetime, timedelta
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+
+from runglight import _engine
+from runglight.errors import InputError
+from runglight.log.options import ReadOptions
+from runglight.log.report import ReadReport
+from runglight.strictly import convert
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from os import PathLike
+
+_EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
+
+FORMATS = ("csv", "parquet", "xes", "vcd")
+
+
+class Log:
+    """A change log in memory: columns `time`, `signal`, `value`.
+
+    It goes without a copy to everything that speaks Arrow: `pyarrow.table(log)`,
+    `polars.DataFrame(log)`.
+    """
+
+    def __init__(self, engine_log: _engine.ChangeLog, path: str | None = None) -> None:
+        self._engine = engine_log
+        self.path = path
+
+    @classmethod
+    def from_arrow(cls, table: Any, *, reorder_s: float = 1.0) -> Log:
+        """From a pyarrow, polars or pandas (2.2 or newer) table: `time`, `signal`, `value`."""
+        if not hasattr(table, "__arrow_c_stream__"):
+            raise InputError(
+                f"a {type(table).__name__} is no Arrow table: pass a pyarrow or polars table, "
+                "or a pandas (2.2 or newer) data frame"
+            )
+        return cls(_engine.ChangeLog.from_arrow(table, reorder_s))
+
+    @classmethod
+    def from_columns(
+        cls,
+        time_ns: Any,
+        signal_index: Any,
+        value: Any,
+        signals: Sequence[str],
+        scan_interval_s: float | None = None,
+    ) -> Log:
+        """From numpy arrays (int64, uint32, int64) and the names the indices stand for."""
+        interval_ns = None if scan_interval_s is None else round(scan_interval_s * 1e9)
+        return cls(
+            _engine.log_from_columns(time_ns, signal_index, value, list(signals), interval_ns)
+        )
+
+    def __len__(self) -> int:
+        return len(self._engine)
+
+    def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
+        return self._engine.__arrow_c_stream__(requested_schema)
+
+    def __repr__(self) -> str:
+        return f"<runglight.Log of {len(self):,} rows, {len(self.signals)} signals>"
+
+    @property
+    def engine(self) -> _engine.ChangeLog:
+        """The compiled engine's log."""
+        return self._engine
+
+    @property
+    def signals(self) -> list[str]:
+        """Names of the signals, in the order of their indices."""
+        return self._engine.signals
+
+    @property
+    def start(self) -> datetime | None:
+        """Time of the first row (to the microsecond), or None for an empty log."""
+        return _datetime(self._engine.start_ns)
+
+    @property
+    def end(self) -> datetime | None:
+        """Time of the last row (to the microsecond), or None for an empty log."""
+        return _datetime(self._engine.end_ns)
+
+    @property
+    def gaps(self) -> list[tuple[datetime, datetime]]:
+        """Stretches in which nothing was recorded."""
+        return [(_utc(start), _utc(end)) for start, end in self._engine.gaps]
+
+    @property
+    def scan_interval_s(self) -> float | None:
+        """Seconds between two scans or samples, where the source tells."""
+        interval_ns = self._engine.scan_interval_ns
+        return None if interval_ns is None else interval_ns / 1e9
+
+    @property
+    def report(self) -> ReadReport:
+        """What reading did, and what it left out."""
+        return msgspec.json.decode(self._engine.report_json, type=ReadReport)
+
+    def columns(self) -> tuple[Any, Any, Any]:
+        """`(time_ns, signal_index, value)` as numpy arrays."""
+        return self._engine.columns()
+
+    def slice(self, offset: int, length: int | None = None) -> Log:
+        """Some of the rows, without a copy of their names."""
+        return Log(self._engine.slice(offset, length), self.path)
+
+    def renamed(self, signals: Sequence[str]) -> Log:
+        """The same rows with other names of the signals, in the order of their indices."""
+        return Log(self._engine.with_signals(list(signals)), self.path)
+
+    def write(self, path: str | PathLike[str], format: str | None = None) -> int:
+        """Writes the log as CSV, Parquet, XES or VCD (by the ending); returns rows written.
+
+        The file appears whole or not at all.
+        """
+        target = Path(path)
+        chosen = format or target.suffix.removeprefix(".").lower()
+        if chosen not in FORMATS:
+            raise InputError(
+                f"{target}: cannot tell the format from the ending; "
+                f"end the name in {', '.join('.' + known for known in FORMATS)}"
+            )
+        return _engine.write_log(self._engine, os.fspath(target), chosen)
+
+
+def read_log(path: str | PathLike[str], **options: Any) -> Log:
+    """Reads CSV, Parquet, XES or VCD. `options` are the fields of `runglight.ReadOptions`."""
+    return read_log_with(path, convert(options, ReadOptions, "read_log"))
+
+
+def read_log_with(path: str | PathLike[str], options: ReadOptions) -> Log:
+    """Reads a log with options that are already checked."""
+    text = os.fspath(path)
+    return Log(_engine.read_log(text, options.to_json()), text)
+
+
+def _datetime(time_ns: int | None) -> datetime | None:
+    return None if time_ns is None else _utc(time_ns)
+
+
+def _utc(time_ns: int) -> datetime:
+    return _EPOCH + timedelta(microseconds=time_ns // 1000)

@@ -1,0 +1,151 @@
+"""The nominal model: learned once, then watched with."""
+
+from __future__ import annotations
+
+import json
+import os
+from collections.abc import Iterable, Iterator, Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from runglight import _engine
+from runglight.configuration import Parameters
+from runglight.errors import InputError
+from runglight.findings.batch import Findings
+from runglight.log.changelog import Log
+from runglight.log.symbols import read_symbols
+from runglight.strictly import convert
+
+if TYPE_CHECKING:
+    from datetime import datetime
+    from os import PathLike
+
+ROWS_AT_ONCE = 1 << 18
+
+
+class Monitor:
+    """Watches one plant. Every split of a log into batches gives the same findings."""
+
+    def __init__(self, engine_monitor: _engine.Monitor) -> None:
+        self._engine = engine_monitor
+
+    def observe(self, batch: Log | Any) -> Findings:
+        """Takes changes in time order: a `Log`, or an Arrow table `time`, `signal`, `value`."""
+        return Findings(self._engine.observe(batch.engine if isinstance(batch, Log) else batch))
+
+    def advance(self, now: datetime | int) -> Findings:
+        """Time went on without a change (aware datetime, or nanoseconds since 1970): stalls."""
+        return Findings(self._engine.advance(_nanoseconds(now)))
+
+    def gap(self, start: datetime | int, end: datetime | int) -> Findings:
+        """Nothing was recorded between two times: resynchronises instead of alarming."""
+        return Findings(self._engine.gap(_nanoseconds(start), _nanoseconds(end)))
+
+    def finish(self) -> Findings:
+        """The log has ended."""
+        return Findings(self._engine.finish())
+
+    def state(self) -> bytes:
+        """Everything the monitor knows, for `NominalModel.monitor(state=…)`."""
+        return self._engine.state()
+
+    def take_snapshots(self) -> list[str]:
+        """Snapshots made since the last call, as JSON."""
+        return self._engine.take_snapshots()
+
+
+class NominalModel:
+    """What was learned of a plant."""
+
+    def __init__(self, engine_model: _engine.NominalModel) -> None:
+        self._engine = engine_model
+
+    def rules(self) -> Any:
+        """The transition rules as an Arrow stream: the columns of `rules.parquet`."""
+        return self._engine.rules()
+
+    def rules_json(self, group: str | None = None, device: str | None = None) -> str:
+        """The transition rules of everything, one group's own, or one device, as JSON."""
+        return self._engine.rules_json(group, device)
+
+    def summary(self) -> dict[str, Any]:
+        """Groups, devices, signals, counts, and how the model was learned."""
+        summary: dict[str, Any] = json.loads(self._engine.summary_json())
+        return summary
+
+    def symbols(self) -> str:
+        """The symbol table in force, as the text of a `symbols.csv`."""
+        return self._engine.symbols_csv()
+
+    def dot(self, group: str, device: str | None = None) -> str:
+        """Graphviz text of a device's model, or of the group's own."""
+        return self._engine.dot(group, device)
+
+    def save(self, directory: str | PathLike[str]) -> None:
+        """Writes the model directory: to a temporary name, then renamed."""
+        target = Path(directory)
+        if target.is_file() or (
+            target.is_dir() and any(target.iterdir()) and not (target / "manifest.json").exists()
+        ):
+            raise InputError(f"{target}: exists and is no model; choose another name or remove it")
+        self._engine.save(os.fspath(target))
+
+    def monitor(self, state: bytes | None = None) -> Monitor:
+        """A monitor at its start, or where another one's `state()` left off."""
+        return Monitor(self._engine.monitor(state))
+
+    def watch(self, log: Log) -> Iterator[dict[str, Any]]:
+        """The findings of a whole log, one dictionary each."""
+        monitor = self.monitor()
+        for offset in range(0, len(log), ROWS_AT_ONCE):
+            yield from monitor.observe(log.slice(offset, ROWS_AT_ONCE))
+        yield from monitor.finish()
+
+    def confirm(self, finding: str | Mapping[str, Any]) -> int:
+        """Folds a finding's path into the model; returns the number of new transitions."""
+        text = finding if isinstance(finding, str) else json.dumps(dict(finding))
+        return self._engine.confirm(text)
+
+
+def learn(
+    log: Log | Any | Iterable[Log | Any],
+    symbols: str | PathLike[str] | None = None,
+    **parameters: Any,
+) -> NominalModel:
+    """Learns from one or several fault-free logs.
+
+    `symbols` is the path of a symbol table; `parameters` are the fields of
+    `runglight.Parameters`. Logs may be Arrow tables.
+    """
+    table = None if symbols is None else read_symbols(Path(symbols))
+    return learn_with(_logs(log), table, convert(parameters, Parameters, "learn"))
+
+
+def learn_with(logs: list[Log], symbols_csv: str | None, parameters: Parameters) -> NominalModel:
+    """Learns with parameters that are already checked."""
+    engine_logs = [log.engine for log in logs]
+    return NominalModel(_engine.learn(engine_logs, symbols_csv, parameters.to_json()))
+
+
+def load_model(directory: str | PathLike[str]) -> NominalModel:
+    """Loads a model directory; raises ModelError where it is older or damaged."""
+    return NominalModel(_engine.load_model(os.fspath(directory)))
+
+
+def _logs(logs: Any) -> list[Log]:
+    if isinstance(logs, Log):
+        return [logs]
+    if hasattr(logs, "__arrow_c_stream__"):
+        return [Log.from_arrow(logs)]
+    return [log if isinstance(log, Log) else Log.from_arrow(log) for log in logs]
+
+
+def _nanoseconds(time: datetime | int) -> int:
+    if isinstance(time, int):
+        return time
+    if time.tzinfo is None:
+        raise InputError(f"{time.isoformat()} has no time zone; give an aware datetime")
+    from datetime import UTC, datetime, timedelta  # noqa: PLC0415
+
+    since = time - datetime(1970, 1, 1, tzinfo=UTC)
+    return since // timedelta(microseconds=1) * 1000

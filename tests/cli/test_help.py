@@ -1,0 +1,79 @@
+"""`--help` reads like a manual."""
+
+import pytest
+
+from tests.conftest import Command
+
+READER = (
+    "--time-column",
+    "--signal-column",
+    "--value-column",
+    "--time-format",
+    "--date",
+    "--delimiter",
+    "--analog",
+    "--bits",
+    "--on-error",
+    "--reorder",
+    "--naming",
+    "--symbols",
+    "--config",
+)
+LEARNING = (
+    "--timing",
+    "--false-alarms",
+    "--stall-after",
+    "--return-within",
+    "--check-every",
+    "--significant-change",
+    "--scan-interval",
+    "--starting",
+)
+
+
+@pytest.mark.parametrize(
+    ("command", "options"),
+    [
+        ("demo", ("--fault", "--to")),
+        ("learn", ("--output", *LEARNING, *READER)),
+        ("show", ("--device", "--group", "--format", "--output", "--config")),
+        ("watch", ("--format", "--output", "--fail-on", "--notices", "--state", *READER)),
+        ("confirm", ()),
+        ("import", ("--to", *READER)),
+        ("export", ("--to", *READER)),
+        ("simulate", ("--log", "--cycles", "--seed", "--fault", "--labels", "--list")),
+    ],
+)
+def test_every_option_is_explained(
+    runglight: Command, command: str, options: tuple[str, ...]
+) -> None:
+    helped = runglight(command, "--help")
+    assert helped.returncode == 0, helped.stderr
+    assert helped.stdout.startswith(f"Usage: runglight {command} ")
+    lines = helped.stdout.splitlines()
+    for option in options:
+        explained = [line for line in lines if f" {option} " in line]
+        assert explained, f"{command} --help does not explain {option}"
+    assert "--no-" not in helped.stdout
+    assert "default: ()" not in helped.stdout
+
+
+def test_the_overview(runglight: Command) -> None:
+    for arguments in ([], ["--help"], ["-h"]):
+        helped = runglight(*arguments)
+        assert helped.returncode == 0
+        commands = [
+            line.strip("│ ").split()[0]
+            for line in helped.stdout.splitlines()
+            if line.startswith("│ ") and not line.startswith("│ --")
+        ]
+        assert commands == [
+            "demo",
+            "learn",
+            "show",
+            "watch",
+            "confirm",
+            "import",
+            "export",
+            "simulate",
+        ]

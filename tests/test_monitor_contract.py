@@ -1,0 +1,70 @@
+"""The contract of every monitor: however the log is cut, the findings are the same."""
+
+import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
+
+from runglight.model import NominalModel
+from tests.conftest import simulated
+
+QUICKLY = settings(
+    max_examples=25, deadline=None, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+
+
+def whole(model: NominalModel, fault: int) -> list[str]:
+    monitor = model.monitor()
+    return (
+        monitor.observe(simulated(seed=2, fault=fault)).json_lines() + monitor.finish().json_lines()
+    )
+
+
+@pytest.mark.parametrize("fault", [1, 2, 5, 9])
+@QUICKLY
+@given(data=st.data())
+def test_any_split_and_any_restore(
+    nominal_model: NominalModel, fault: int, data: st.DataObject
+) -> None:
+    log = simulated(seed=2, fault=fault)
+    cuts = sorted(data.draw(st.sets(st.integers(0, len(log)), max_size=6)))
+    monitor = nominal_model.monitor()
+    lines: list[str] = []
+    for start, end in zip([0, *cuts], [*cuts, len(log)], strict=True):
+        lines += monitor.observe(log.slice(start, end - start)).json_lines()
+        if data.draw(st.booleans()):
+            monitor = nominal_model.monitor(state=monitor.state())
+    lines += monitor.finish().json_lines()
+    assert lines == whole(nominal_model, fault)
+
+
+def test_observing_row_by_row(nominal_model: NominalModel) -> None:
+    log = simulated(seed=2, fault=1)
+    monitor = nominal_model.monitor()
+    lines = [
+        line for row in range(len(log)) for line in monitor.observe(log.slice(row, 1)).json_lines()
+    ]
+    assert lines + monitor.finish().json_lines() == whole(nominal_model, 1)
+
+
+def test_a_gap_resynchronises_instead_of_alarming(nominal_model: NominalModel) -> None:
+    log = simulated(seed=3)
+    third = len(log) // 3
+    time_ns, _, _ = log.columns()
+    monitor = nominal_model.monitor()
+    lines = monitor.observe(log.slice(0, third)).json_lines()
+    lines += monitor.gap(int(time_ns[third - 1]), int(time_ns[2 * third])).json_lines()
+    lines += monitor.observe(log.slice(2 * third)).json_lines()
+    lines += monitor.finish().json_lines()
+    assert not [line for line in lines if '"severity":"notice"' not in line.replace(" ", "")]
+
+
+def test_a_model_survives_saving(
+    nominal_model: NominalModel, tmp_path_factory: pytest.TempPathFactory
+) -> None:
+    from runglight import load_model  # noqa: PLC0415
+
+    directory = tmp_path_factory.mktemp("saved") / "cell.model"
+    nominal_model.save(directory)
+    again = load_model(directory)
+    assert again.rules_json() == nominal_model.rules_json()
+    assert whole(again, 1) == whole(nominal_model, 1)
