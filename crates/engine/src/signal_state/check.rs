@@ -180,7 +180,7 @@ fn share_changed(
     let variance = dispersion * pooled * (1.0 - pooled) * (1.0 / n + 1.0 / n0);
     let continuity = 0.5 / n;
     two_sided((change - continuity).max(0.0) / variance.sqrt(), n + n0 - 2.0)
-        <= model.budget.per_check
+        <= model.budget.per_share
 }
 
 fn mean_changed(
@@ -205,7 +205,7 @@ fn mean_changed(
     let n0 = cluster.instances as f64;
     let error = deviation.max(resolution)
         * (dispersion * (1.0 / f64::from(count) + 1.0 / n0)).sqrt();
-    two_sided(change / error, n0 - 1.0) <= model.budget.per_check
+    two_sided(change / error, n0 - 1.0) <= model.budget.per_average
 }
 
 /// Two-sided tail of Student's t by Wallace's normal approximation (1959).

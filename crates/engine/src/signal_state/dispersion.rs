@@ -46,7 +46,7 @@ pub fn of_mean(series: &[f64]) -> f64 {
 }
 
 fn long_run_ratio(n: usize, deviation: impl Fn(usize) -> f64, variance: f64) -> f64 {
-    let lags = ((n as f64).sqrt() as usize).clamp(1, LAG_AT_MOST);
+    let lags = ((n as f64).sqrt().ceil() as usize).clamp(1, LAG_AT_MOST);
     let mut ratio = 1.0;
     for lag in 1..=lags {
         let covariance =

@@ -46,7 +46,7 @@ impl Evidence {
             transition.draws += rule.evidence() as f64;
             transition.once += f64::from(rule.evidence() == 1);
             let time = &mut times[rule.chain];
-            time.draws += rule.count as f64;
+            time.draws += rule.evidence() as f64;
             time.once += rare_instances(rule) as f64;
         }
         Self {
@@ -75,7 +75,7 @@ impl Evidence {
     /// Probability that a transition of a healthy machine takes `time_s`, which lies outside all
     /// that is usual for it. Longer than anything seen is rarer still, falling with the ratio.
     pub fn odd_time(&self, rule: &Rule, time_s: f64) -> f64 {
-        let tally = Tally { once: rare_instances(rule) as f64, draws: rule.count as f64 };
+        let tally = Tally { once: rare_instances(rule) as f64, draws: rule.evidence() as f64 };
         let longest = rule.clusters.iter().map(|c| c.maximum_s).fold(0.0, f64::max);
         let beyond = if time_s > longest && time_s > 0.0 { longest.max(1e-3) / time_s } else { 1.0 };
         tally.unseen(self.time_by_chain[rule.chain]) * beyond.min(1.0)
@@ -84,10 +84,11 @@ impl Evidence {
 
 /// Instances in clusters too small to be a usual time.
 fn rare_instances(rule: &Rule) -> u64 {
-    if rule.count < BODY_INSTANCES {
-        return rule.count.min(1);
+    if rule.evidence() < BODY_INSTANCES {
+        return rule.evidence().min(1);
     }
-    rule.clusters.iter().filter(|c| c.instances < BODY_INSTANCES).map(|c| c.instances).sum()
+    let rare = rule.clusters.iter().filter(|c| c.instances < BODY_INSTANCES);
+    rare.map(|c| c.instances).sum::<u64>().saturating_sub(rule.uncounted)
 }
 
 /// Unseen mass of every chain, shrunk towards that of all chains of its kind.

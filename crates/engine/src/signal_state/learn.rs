@@ -225,7 +225,7 @@ struct Found {
 struct Here {
     state: StateId,
     time: Nanoseconds,
-    /// True while `state` is the first after a start or gap.
+    /// True while `state` was entered at the first time after a start or gap.
     first: bool,
 }
 
@@ -243,8 +243,9 @@ fn walk(events: &[Event], chains: &Chains, states: usize) -> Transitions {
         let device = (chains.device_chain(event.signal), ChainKind::Device);
         for (chain, kind) in std::iter::once(device).chain(group) {
             let before = here[chain];
-            here[chain] =
-                Here { state: event.state, time: event.time, first: before.state == NO_STATE };
+            // Signals that were ON when the log began were all written at its first time.
+            let first = before.state == NO_STATE || (before.first && before.time == event.time);
+            here[chain] = Here { state: event.state, time: event.time, first };
             if before.state == NO_STATE {
                 continue;
             }

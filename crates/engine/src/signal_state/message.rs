@@ -27,9 +27,18 @@ fn alternatives(model: &NominalModel, from: StateId, kind: ChainKind) -> Option<
 
 fn place_text(finding: &Finding) -> String {
     match (finding.model, &finding.group, &finding.device) {
-        (Model::Group, Some(group), _) => format!("Group {group}"),
+        (Model::Group, Some(group), _) => group_text(group),
         (_, _, Some(device)) => device.clone(),
         _ => "The plant".to_owned(),
+    }
+}
+
+/// "Group 7", but "Group1" as it is.
+fn group_text(group: &str) -> String {
+    if group.to_lowercase().starts_with("group") {
+        group.to_owned()
+    } else {
+        format!("Group {group}")
     }
 }
 
@@ -90,7 +99,7 @@ pub fn time(model: &NominalModel, rule: usize, finding: &Finding) -> String {
     let (observed, limit) =
         (finding.observed_s.unwrap_or_default(), finding.limit_s.unwrap_or_default());
     let (verb, bound) = match finding.kind {
-        Kind::Early => ("came too soon", "not expected before"),
+        Kind::Early => ("came too soon", "was not expected before"),
         _ => ("came late", "was due within"),
     };
     format!(
@@ -103,7 +112,7 @@ pub fn time(model: &NominalModel, rule: usize, finding: &Finding) -> String {
 }
 
 /// A group that has stopped.
-pub fn stall(model: &NominalModel, finding: &Finding) -> String {
+pub fn stall(finding: &Finding) -> String {
     let awaited: Vec<String> = finding
         .expected
         .iter()
@@ -117,10 +126,9 @@ pub fn stall(model: &NominalModel, finding: &Finding) -> String {
     };
     let from = finding.from.as_deref().unwrap_or_default();
     let short = from.split_once('-').map_or(from, |(_, rest)| rest);
-    let _ = model;
     format!(
-        "Group {} has stopped: nothing has changed for {:.0} s; the last event was {short}{waiting}{}",
-        finding.group.as_deref().unwrap_or_default(),
+        "{} has stopped: nothing has changed for {:.0} s; the last event was {short}{waiting}{}",
+        group_text(finding.group.as_deref().unwrap_or_default()),
         finding.observed_s.unwrap_or_default(),
         first_suspect(finding)
     )
@@ -128,7 +136,7 @@ pub fn stall(model: &NominalModel, finding: &Finding) -> String {
 
 /// The group moves again.
 pub fn stall_returned(finding: &Finding) -> String {
-    format!("Group {} is moving again", finding.group.as_deref().unwrap_or_default())
+    format!("{} is moving again", group_text(finding.group.as_deref().unwrap_or_default()))
 }
 
 /// The device is back on known transitions.

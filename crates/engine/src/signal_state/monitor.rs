@@ -32,6 +32,8 @@ const UNKNOWN_SIGNALS_AT_MOST: usize = 1_000;
 const REORDER_AT_MOST: usize = 6;
 /// Consecutive known transitions after which a device is back on its path.
 const KNOWN_TO_RETURN: u8 = 2;
+/// Distinct alarm paths offered for confirmation.
+const OFFERS_AT_MOST: usize = 10_000;
 /// Longest alarm path kept, in states.
 const PATH_AT_MOST: usize = 64;
 
@@ -96,6 +98,8 @@ struct Watch {
     /// Signals nobody learned, and whether that has been said.
     unknown_signals: Vec<(String, bool)>,
     snapshots: Vec<Snapshot>,
+    /// Hashes of the alarm paths offered for confirmation.
+    offered: Vec<u64>,
 }
 
 /// What [`Monitor::save`] writes.
@@ -156,6 +160,7 @@ impl Monitor {
             further: Vec::new(),
             unknown_signals: Vec::new(),
             snapshots: Vec::new(),
+            offered: Vec::new(),
         };
         Self {
             order: (model.parameters.timing == Timing::Adaptive)
@@ -662,17 +667,32 @@ impl Monitor {
         let mut returned = open.finding;
         returned.state = State::Returned;
         returned.time = time;
-        returned.path.clone_from(&names);
+        returned.path = names;
         returned.message = message::returned(&returned);
-        let mut offer = returned.clone();
+        self.findings.push(returned.clone());
+        self.offer(returned, chain);
+    }
+
+    /// Offers the path of an alarm for confirmation, each path once.
+    fn offer(&mut self, returned: Finding, chain: ChainIndex) {
+        if returned.severity == Severity::Notice {
+            return;
+        }
+        let names = returned.path.join(" → ");
+        let hash = xxhash_rust::xxh3::xxh3_64(names.as_bytes());
+        if self.watch.offered.contains(&hash) || self.watch.offered.len() >= OFFERS_AT_MOST {
+            return;
+        }
+        self.watch.offered.push(hash);
+        let mut offer = returned;
         offer.kind = Kind::AlarmPath;
         offer.severity = Severity::Notice;
-        offer.id = stable_id(offer.kind, &self.place_name(chain), &names.join(">"), "", time);
-        offer.to = names.last().cloned();
+        offer.id = stable_id(offer.kind, &self.place_name(chain), &names, "", offer.time);
+        offer.to = offer.path.last().cloned();
         offer.snapshot_id = None;
         offer.suspects.clear();
         offer.message = message::alarm_path(&offer);
-        self.findings.extend([returned, offer]);
+        self.findings.push(offer);
     }
 
     /// Another unknown transition while off the path: the path grows, no new finding.
@@ -743,7 +763,7 @@ impl Monitor {
         finding.limit_s = Some(waited);
         finding.path = vec![self.state_name(last)];
         finding.suspects = message::stall_suspects(&model, last, signal);
-        finding.message = message::stall(&model, &finding);
+        finding.message = message::stall(&finding);
         let placed = self.place(finding, device, ChainKind::Device, since);
         self.watch.group_stalled[group] = Some(placed);
     }

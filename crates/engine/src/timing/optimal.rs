@@ -9,8 +9,11 @@ use super::TimeCluster;
 const CLUSTERS_AT_MOST: usize = 6;
 /// Distinct values the dynamic programme looks at; more are first pooled with their neighbours.
 const DISTINCT_AT_MOST: usize = 2048;
-/// Clusters are told apart only where the gap between them is this many times their own spread.
+/// Clusters are told apart only where the gap between them is this many times their own spread…
 const SEPARATION: f64 = 3.0;
+/// … and so wide that spread evenly, the instances would leave such a gap with no more than this
+/// probability. Without it a handful of instances falls apart into single ones.
+const CHANCE_GAP: f64 = 1e-3;
 
 /// One value, or several pooled neighbours.
 #[derive(Clone, Copy)]
@@ -206,11 +209,19 @@ fn join_unseparated<'a>(
 }
 
 fn separated(left: &[f64], right: &[f64], resolution_s: f64) -> bool {
-    let (Some(&left_last), Some(&right_first)) = (left.last(), right.first()) else {
+    let (Some(&first), Some(&left_last)) = (left.first(), left.last()) else {
         return false;
     };
+    let (Some(&right_first), Some(&last)) = (right.first(), right.last()) else {
+        return false;
+    };
+    let gap = right_first - left_last;
     let spread = half_scales(left).1.max(half_scales(right).0);
-    right_first - left_last > SEPARATION * spread.max(resolution_s)
+    // The widest of the spacings between n points spread evenly over a range (Fisher 1929, first
+    // term): P(widest > g) ≤ n (1 − g/range)^(n−1).
+    let n = (left.len() + right.len()) as f64;
+    let by_chance = n * (1.0 - gap / (last - first)).powf(n - 1.0);
+    gap > SEPARATION * spread.max(resolution_s) && by_chance <= CHANCE_GAP
 }
 
 /// Mean distance of the lower and of the upper half from the median.
