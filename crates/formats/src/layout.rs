@@ -5,6 +5,8 @@ use std::path::Path;
 use crate::error::FormatError;
 use crate::options::ReadOptions;
 use crate::report::ReadReport;
+use crate::time::{self, TimeFormat, TimeParser};
+use crate::value::Cell;
 
 /// What the first cells of a column look like.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -19,6 +21,45 @@ pub(crate) enum Kind {
     Time,
     /// Anything else.
     Text,
+}
+
+impl Kind {
+    /// What most cells of a sample are.
+    pub(crate) fn of<'a>(cells: impl Iterator<Item = &'a [u8]> + Clone) -> Self {
+        let mut counts = [0_usize; 3];
+        for cell in cells.clone() {
+            match Cell::parse(cell) {
+                Cell::Empty => {}
+                Cell::Integer(0 | 1) => counts[0] += 1,
+                Cell::Integer(_) | Cell::Real(_) => counts[1] += 1,
+                Cell::Text => counts[2] += 1,
+            }
+        }
+        let [truths, numbers, texts] = counts;
+        if truths + numbers + texts == 0 {
+            return Kind::Empty;
+        }
+        let numeric = truths + numbers > texts;
+        if numeric && numbers == 0 {
+            return Kind::Truth;
+        }
+        if let Some(sniffed) = time::sniff(cells.clone(), None) {
+            let is_number = matches!(sniffed.format, TimeFormat::Number { .. });
+            let mut parser = TimeParser::new(sniffed.format, 0);
+            let plausible = !is_number || plausible_numbers(cells.clone());
+            let fitting = cells.filter(|cell| parser.parse(cell).is_ok()).count();
+            if plausible && 2 * fitting > truths + numbers + texts {
+                return Kind::Time;
+            }
+        }
+        if numeric { Kind::Number } else { Kind::Text }
+    }
+}
+
+/// True where numbers are times of the years 1990 to 2100 in some unit.
+fn plausible_numbers<'a>(cells: impl Iterator<Item = &'a [u8]>) -> bool {
+    let mut cells = cells.filter(|cell| !cell.is_empty()).peekable();
+    cells.peek().is_some() && cells.all(time::is_plausible_number)
 }
 
 /// A column as far as its place is to be decided.

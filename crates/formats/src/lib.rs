@@ -4,6 +4,7 @@
 //! out; [`write`] goes the other way, by a temporary name that is renamed when complete.
 
 pub mod arrow;
+mod columns;
 mod csv;
 mod error;
 mod format;
@@ -12,6 +13,7 @@ mod layout;
 mod names;
 mod options;
 mod output;
+mod parquet;
 mod report;
 mod sampler;
 mod sniff;
@@ -46,6 +48,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Reading, FormatError> 
     let source = source::Source::open(path)?;
     match sniff::format(path, &source.head, options.format)? {
         Format::Csv => csv::read(path, source, options),
+        Format::Parquet => parquet::read(path, options),
         _ => Err(FormatError::UnknownFormat { path: path.to_owned(), found: "not built yet".to_owned() }),
     }
 }

@@ -9,6 +9,7 @@ use runglight_engine::log::ChangeLog;
 use crate::csv;
 use crate::error::FormatError;
 use crate::format::Format;
+use crate::parquet;
 
 /// Writes a log; the format follows the file's ending where it is not given. Returns the rows
 /// written.
@@ -30,6 +31,8 @@ pub fn write(log: &ChangeLog, path: &Path, format: Option<Format>) -> Result<u64
     let mut buffered = BufWriter::with_capacity(1 << 20, temporary);
     match format {
         Format::Csv => csv::write(log, &mut buffered, delimiter(path)).map_err(failed)?,
+        Format::Parquet => parquet::write(log, &mut buffered)
+            .map_err(|error| failed(std::io::Error::other(error)))?,
         _ => {
             return Err(FormatError::UnknownFormat { path: path.to_owned(), found: "not built yet".to_owned() });
         }

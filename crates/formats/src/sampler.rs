@@ -114,12 +114,13 @@ impl Sampler {
     /// Hands the changes of the kept columns on.
     pub(crate) fn finish(self, intake: &mut Intake) -> Result<(), FormatError> {
         let samples = self.times.len() as u64;
+        if samples == 0 {
+            return Ok(());
+        }
         self.report_bad(intake)?;
         let mut signals: Vec<Signals> = Vec::new();
         for column in &self.columns {
-            if let Some(reason) = column.verdict(samples)
-                && samples > 0
-            {
+            if let Some(reason) = column.verdict(samples) {
                 intake.report.leave_out(&column.name, reason);
                 signals.push(Signals::None);
                 continue;

@@ -7,7 +7,6 @@ use crate::error::{FormatError, RowFault};
 use crate::layout::{Column, Kind, Layout, TimeColumns};
 use crate::names;
 use crate::options::ReadOptions;
-use crate::time::{self, TimeFormat, TimeParser};
 use crate::value::Cell;
 
 /// Rows that sniffing looks at.
@@ -93,7 +92,7 @@ impl Dialect {
             .enumerate()
             .map(|(index, name)| Column {
                 name: if headerless { format!("column {}", index + 1) } else { names::decode(name) },
-                kind: kind(sample.iter().filter_map(|record| record.get(index)).map(Vec::as_slice)),
+                kind: Kind::of(sample.iter().filter_map(|record| record.get(index)).map(Vec::as_slice)),
             })
             .collect();
         Ok(Self { delimiter, newline, header_row, headerless, columns, sample })
@@ -198,43 +197,7 @@ fn outside_quotes(line: &[u8], delimiter: u8) -> usize {
 
 /// A first row with a time in it is no header.
 fn looks_like_data(record: &[Vec<u8>]) -> bool {
-    record.len() > 1 && record.first().is_some_and(|cell| kind([cell.as_slice()].into_iter()) == Kind::Time)
-        || record.len() > 1 && record.iter().all(|cell| matches!(Cell::parse(cell), Cell::Integer(_) | Cell::Real(_)))
-}
-
-/// What most cells of a sample are.
-fn kind<'a>(cells: impl Iterator<Item = &'a [u8]> + Clone) -> Kind {
-    let mut counts = [0_usize; 3];
-    for cell in cells.clone() {
-        match Cell::parse(cell) {
-            Cell::Empty => {}
-            Cell::Integer(0 | 1) => counts[0] += 1,
-            Cell::Integer(_) | Cell::Real(_) => counts[1] += 1,
-            Cell::Text => counts[2] += 1,
-        }
-    }
-    let [truths, numbers, texts] = counts;
-    if truths + numbers + texts == 0 {
-        return Kind::Empty;
-    }
-    let numeric = truths + numbers > texts;
-    if numeric && numbers == 0 {
-        return Kind::Truth;
-    }
-    if let Some(sniffed) = time::sniff(cells.clone(), None) {
-        let is_number = matches!(sniffed.format, TimeFormat::Number { .. });
-        let mut parser = TimeParser::new(sniffed.format, 0);
-        let plausible = !is_number || plausible_numbers(cells.clone());
-        let fitting = cells.filter(|cell| parser.parse(cell).is_ok()).count();
-        if plausible && 2 * fitting > truths + numbers + texts {
-            return Kind::Time;
-        }
-    }
-    if numeric { Kind::Number } else { Kind::Text }
-}
-
-/// True where numbers are times of the years 1990 to 2100 in some unit.
-fn plausible_numbers<'a>(cells: impl Iterator<Item = &'a [u8]>) -> bool {
-    let mut cells = cells.filter(|cell| !cell.is_empty()).peekable();
-    cells.peek().is_some() && cells.all(time::is_plausible_number)
+    let is_time = |cell: &Vec<u8>| Kind::of([cell.as_slice()].into_iter()) == Kind::Time;
+    let is_number = |cell: &Vec<u8>| matches!(Cell::parse(cell), Cell::Integer(_) | Cell::Real(_));
+    record.len() > 1 && (record.first().is_some_and(is_time) || record.iter().all(is_number))
 }
