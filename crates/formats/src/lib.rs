@@ -4,11 +4,23 @@
 //! out; [`write`] goes the other way, by a temporary name that is renamed when complete.
 
 pub mod arrow;
+mod columns;
+mod csv;
 mod error;
 mod format;
+mod intake;
+mod layout;
+mod names;
 pub mod model_directory;
 mod options;
+mod output;
+mod parquet;
 mod report;
+mod sampler;
+mod sniff;
+mod source;
+mod time;
+mod value;
 pub mod rules_table;
 
 use std::path::Path;
@@ -18,6 +30,7 @@ use runglight_engine::log::ChangeLog;
 pub use error::{FormatError, RowFault, TableFault};
 pub use format::Format;
 pub use options::{OnError, ReadOptions};
+pub use output::write;
 pub use report::{BadRow, LeftOut, ReadReport, SHOWN_BAD_ROWS};
 
 /// A log and what reading it did.
@@ -34,16 +47,10 @@ pub struct Reading {
 /// # Errors
 /// Whatever makes the file unusable; with [`OnError::Fail`] also the first bad row.
 pub fn read(path: &Path, options: &ReadOptions) -> Result<Reading, FormatError> {
-    let _ = options;
-    Err(FormatError::UnknownFormat { path: path.to_owned(), found: "not built yet".to_owned() })
-}
-
-/// Writes a log; the format follows the file's ending where it is not given. The file appears
-/// under its name only when it is complete and on the disk. Returns the rows written.
-///
-/// # Errors
-/// An unknown format, a full disk, or any other refusal of the file system.
-pub fn write(log: &ChangeLog, path: &Path, format: Option<Format>) -> Result<u64, FormatError> {
-    let _ = (log, format.map_or_else(|| Format::from_path(path), Ok)?);
-    Err(FormatError::UnknownFormat { path: path.to_owned(), found: "not built yet".to_owned() })
+    let source = source::Source::open(path)?;
+    match sniff::format(path, &source.head, options.format)? {
+        Format::Csv => csv::read(path, source, options),
+        Format::Parquet => parquet::read(path, options),
+        _ => Err(FormatError::UnknownFormat { path: path.to_owned(), found: "not built yet".to_owned() }),
+    }
 }

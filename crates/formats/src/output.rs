@@ -1,0 +1,68 @@
+//! Files appear under their name only when they are complete and on the disk.
+
+use std::fs::File;
+use std::io::{BufWriter, Write};
+use std::path::Path;
+
+use runglight_engine::log::ChangeLog;
+
+use crate::csv;
+use crate::error::FormatError;
+use crate::format::Format;
+use crate::parquet;
+
+/// Writes a log; the format follows the file's ending where it is not given. Returns the rows
+/// written.
+///
+/// # Errors
+/// An unknown format, a full disk, or any other refusal of the file system; a file that was
+/// there before is then untouched.
+pub fn write(log: &ChangeLog, path: &Path, format: Option<Format>) -> Result<u64, FormatError> {
+    let format = format.map_or_else(|| Format::from_path(path), Ok)?;
+    let failed = |error| FormatError::io(path, "write this file", error);
+    if path.is_dir() {
+        return Err(FormatError::NotAFile { path: path.to_owned(), found: "a directory" });
+    }
+    let directory = match path.parent() {
+        Some(parent) if !parent.as_os_str().is_empty() => parent,
+        _ => Path::new("."),
+    };
+    let temporary = temporary_file(directory).map_err(failed)?;
+    let mut buffered = BufWriter::with_capacity(1 << 20, temporary);
+    match format {
+        Format::Csv => csv::write(log, &mut buffered, delimiter(path)).map_err(failed)?,
+        Format::Parquet => parquet::write(log, &mut buffered)
+            .map_err(|error| failed(std::io::Error::other(error)))?,
+        _ => {
+            return Err(FormatError::UnknownFormat { path: path.to_owned(), found: "not built yet".to_owned() });
+        }
+    }
+    buffered.flush().map_err(failed)?;
+    let temporary = buffered.into_inner().map_err(|error| failed(error.into_error()))?;
+    temporary.as_file().sync_all().map_err(failed)?;
+    temporary.persist(path).map_err(|error| failed(error.error))?;
+    sync_directory(directory).map_err(failed)?;
+    Ok(log.len() as u64)
+}
+
+fn delimiter(path: &Path) -> u8 {
+    let ending = path.extension().unwrap_or_default().to_string_lossy().to_ascii_lowercase();
+    if matches!(ending.as_str(), "tsv" | "tab") { b'\t' } else { b',' }
+}
+
+/// A temporary file with the permissions an ordinary new file would get.
+fn temporary_file(directory: &Path) -> std::io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".runglight-");
+    #[cfg(unix)]
+    {
+        use std::os::unix::fs::PermissionsExt;
+        builder.permissions(std::fs::Permissions::from_mode(0o666));
+    }
+    builder.tempfile_in(directory)
+}
+
+/// The new name itself must survive a power cut.
+fn sync_directory(directory: &Path) -> std::io::Result<()> {
+    if cfg!(unix) { File::open(directory)?.sync_all() } else { Ok(()) }
+}
