@@ -71,7 +71,7 @@ def test_notices_are_one_line_unless_asked_for() -> None:
     quiet = printed(notices)
     assert len(quiet.splitlines()) == 1
     assert quiet.startswith("3 notices not shown (late 3)")
-    assert printed(notices, notices=True).count("happened") == 3
+    assert printed(notices, notices=True).count("happened.") == 3
 
 
 def test_a_long_incident_is_cut() -> None:
