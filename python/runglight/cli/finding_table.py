@@ -42,19 +42,20 @@ def incidents_of(findings: Iterable[Finding]) -> list[list[Finding]]:
 
 def print_findings(console: Console, findings: Sequence[Finding], *, notices: bool) -> None:
     """The table: consequences of one incident below its first finding."""
-    newest = newest_lines(findings)
-    shown = [finding for finding in newest if notices or finding.severity != "notice"]
-    incidents = incidents_of(shown)
-    if incidents:
-        console.print(_table(incidents[:INCIDENTS_SHOWN]))
-    hidden = len(incidents) - INCIDENTS_SHOWN
+    incidents = incidents_of(newest_lines(findings))
+    # A consequence may be a notice by itself: it is shown below the alarm that explains it.
+    shown = [incident for incident in incidents if notices or _alarms(incident)]
+    if shown:
+        console.print(_table(shown[:INCIDENTS_SHOWN]))
+    hidden = len(shown) - INCIDENTS_SHOWN
     if hidden > 0:
         _say(console, f"… and {counted(hidden, 'further incident')}: --format jsonl gives all.")
-    quiet = [finding for finding in newest if finding.severity == "notice"]
-    if quiet and not notices:
+    quiet = [] if notices else [each for each in incidents if not _alarms(each)]
+    if quiet:
+        findings = [finding for incident in quiet for finding in incident]
         _say(
             console,
-            f"{counted(len(quiet), 'notice')} not shown ({_by_kind(quiet)}): "
+            f"{counted(len(findings), 'notice')} not shown ({_by_kind(findings)}): "
             "unusual, but nothing the false-alarm budget pays for. --notices shows them.",
             "dim",
         )
@@ -151,6 +152,10 @@ def spoken_time(iso: str) -> str:
     day, _, clock = iso.removesuffix("Z").partition("T")
     whole, _, fraction = clock.partition(".")
     return f"{day} {whole}.{(fraction + '000')[:3]}"
+
+
+def _alarms(incident: Iterable[Finding]) -> bool:
+    return any(finding.severity != "notice" for finding in incident)
 
 
 def _by_kind(findings: Iterable[Finding]) -> str:
