@@ -17,7 +17,7 @@ def test_the_newest_line_counts(tmp_path: Path) -> None:
     with FindingStore(tmp_path) as store:
         store.append([line("a", "suspected"), line("b", "suspected")])
         store.append([line("a", "returned")])
-    with FindingStore(tmp_path, writable=False) as store:
+    with FindingStore(tmp_path, create=False) as store:
         assert store.newest("a") == line("a", "returned")
         assert store.newest("b") == line("b", "suspected")
         assert store.newest("c") is None
@@ -44,7 +44,7 @@ def test_nearest_ids(tmp_path: Path) -> None:
 def test_a_missing_store_is_not_made_by_looking(tmp_path: Path) -> None:
     with (
         pytest.raises(sqlite3.OperationalError),
-        FindingStore(tmp_path, writable=False) as store,
+        FindingStore(tmp_path, create=False) as store,
     ):
         store.newest("a")
     assert not list(tmp_path.iterdir())
