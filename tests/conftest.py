@@ -29,6 +29,7 @@ def runglight(tmp_path: Path) -> Command:
             stdin=subprocess.DEVNULL,
             capture_output=True,
             encoding="utf-8",
+            errors="replace",
             timeout=120,
             check=False,
         )

@@ -16,7 +16,7 @@ def test_durations(text: str, seconds: float) -> None:
 
 @pytest.mark.parametrize("text", ["", "soon", "-1", "1 fortnight", "nan", "1e999s", "3m2"])
 def test_what_is_no_duration(text: str) -> None:
-    with pytest.raises(InputError, match="--reorder: .* is not a duration"):
+    with pytest.raises(InputError, match=r"--reorder: .* is not a duration"):
         duration_s(text, "--reorder")
 
 

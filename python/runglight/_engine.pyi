@@ -104,8 +104,11 @@ class NominalModel:
         """Folds a finding's path into the model; returns the number of new transitions."""
 
 def learn(
-    logs: Sequence[ChangeLog], symbols_csv: str | None = None, parameters_json: str = "{}"
+    logs: Sequence[ChangeLog],
+    symbols_csv: str | None = None,
+    parameters_json: str = "{}",
+    source: Sequence[str] = (),
 ) -> NominalModel:
-    """Learns from fault-free logs. `symbols_csv` is the text of a symbol table."""
+    """Learns from fault-free logs. `symbols_csv` is the text of a symbol table; `source` says where they are from."""
 
 def load_model(directory: str) -> NominalModel: ...

@@ -91,16 +91,22 @@ class Watch(Struct, forbid_unknown_fields=True):
     """`[watch]`: how findings are told."""
 
     format: Literal["table", "jsonl", "csv"] = "table"
+    """`table` for people, `jsonl` for programs, `csv` for spreadsheets."""
     output: str | None = None
+    """File to write instead of standard output."""
     fail_on: Literal["fault", "anomaly"] | None = None
+    """Exit with code 1 where there is a fault (`anomaly`: a fault or an anomaly)."""
     notices: bool = False
+    """Show notices in the table too."""
     state: str | None = None
+    """File that keeps the monitor's state from one log to the next."""
 
 
 class Show(Struct, forbid_unknown_fields=True):
     """`[show]`: how a model is shown."""
 
     format: Literal["table", "csv", "dot", "svg", "json"] | None = None
+    """Default: by the ending of the output file, else `table`."""
 
 
 class Configuration(Struct, forbid_unknown_fields=True):

@@ -31,7 +31,8 @@ class Monitor:
 
     def observe(self, batch: Log | Any) -> Findings:
         """Takes changes in time order: a `Log`, or an Arrow table `time`, `signal`, `value`."""
-        return Findings(self._engine.observe(batch.engine if isinstance(batch, Log) else batch))
+        log = batch if isinstance(batch, Log) else Log.from_arrow(batch, reorder_s=0.0)
+        return Findings(self._engine.observe(log.engine))
 
     def advance(self, now: datetime | int) -> Findings:
         """Time went on without a change (aware datetime, or nanoseconds since 1970): stalls."""
@@ -124,7 +125,8 @@ def learn(
 def learn_with(logs: list[Log], symbols_csv: str | None, parameters: Parameters) -> NominalModel:
     """Learns with parameters that are already checked."""
     engine_logs = [log.engine for log in logs]
-    return NominalModel(_engine.learn(engine_logs, symbols_csv, parameters.to_json()))
+    source = [log.path for log in logs if log.path is not None]
+    return NominalModel(_engine.learn(engine_logs, symbols_csv, parameters.to_json(), source))
 
 
 def load_model(directory: str | PathLike[str]) -> NominalModel:

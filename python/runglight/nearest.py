@@ -1,16 +1,23 @@
 """The known names nearest to one that is not known, for the end of an error sentence."""
 
 from collections.abc import Iterable
-from difflib import get_close_matches
+from difflib import SequenceMatcher
+
+# Below this, a likeness is chance; names this much less alike than the best are no help.
+ALIKE = 0.5
+MUCH_LESS_ALIKE = 0.12
 
 
 def nearest(name: str, known: Iterable[str], at_most: int = 3) -> list[str]:
     """The names of `known` that resemble `name`, best first; none where nothing does."""
-    by_folded: dict[str, str] = {}
+    matcher = SequenceMatcher(b=name.casefold())
+    alike: list[tuple[float, str]] = []
     for candidate in known:
-        by_folded.setdefault(candidate.casefold(), candidate)
-    matches = get_close_matches(name.casefold(), list(by_folded), n=at_most, cutoff=0.5)
-    return [by_folded[match] for match in matches]
+        matcher.set_seq1(candidate.casefold())
+        if matcher.quick_ratio() >= ALIKE and (ratio := matcher.ratio()) >= ALIKE:
+            alike.append((ratio, candidate))
+    alike.sort(key=lambda scored: -scored[0])
+    return [name for ratio, name in alike[:at_most] if ratio > alike[0][0] - MUCH_LESS_ALIKE]
 
 
 def suggestion(name: str, known: Iterable[str], at_most: int = 3) -> str:

@@ -16,7 +16,8 @@ from tests.conftest import Command, simulated
 @pytest.fixture
 def model(cell: Path, tmp_path: Path) -> Path:
     """A copy of the learned cell that a test may change."""
-    return Path(shutil.copytree(cell / "cell.model", tmp_path / "cell.model"))
+    kept = shutil.ignore_patterns("findings.sqlite*")
+    return Path(shutil.copytree(cell / "cell.model", tmp_path / "cell.model", ignore=kept))
 
 
 def findings(text: str) -> list[dict[str, object]]:

@@ -44,8 +44,10 @@ def test_consequences_stand_below_their_cause() -> None:
 
 
 def test_a_change_of_state_is_no_further_row() -> None:
-    text = printed([finding(1), finding(1, state="returned")])
+    later = finding(1, state="returned", time="2026-01-05T06:09:00Z", message="It is back.")
+    text = printed([finding(1), later])
     assert text.count("Finding 1 happened.") == 1
+    assert "2026-01-05 06:00:01.123" in text
     assert "returned" in text
 
 
@@ -66,12 +68,27 @@ def test_a_stalled_line_says_where_to_look_first() -> None:
     assert "Look first at Cell-Loader, signal RUN, address %QX1.0." in printed([suspected])
 
 
+def test_a_narrow_terminal_keeps_ids_whole() -> None:
+    text = io.StringIO()
+    late = finding(1, id="a1796079b6d4", kind="late", limit_s=1.5, observed_s=2.5)
+    print_findings(Console(file=text, width=80), [late], notices=False)
+    assert "a1796079b6d4" in text.getvalue()
+    assert "Expected: within" in text.getvalue()
+    assert max(map(len, text.getvalue().splitlines())) <= 80
+
+
+def test_a_notice_that_follows_from_an_alarm_stands_below_it() -> None:
+    text = printed([finding(1), finding(2, severity="notice", message="It follows.")])
+    assert "└ It follows." in text
+    assert "not shown" not in text
+
+
 def test_notices_are_one_line_unless_asked_for() -> None:
     notices = [finding(n, incident=f"f-{n}", severity="notice", kind="late") for n in range(1, 4)]
     quiet = printed(notices)
     assert len(quiet.splitlines()) == 1
     assert quiet.startswith("3 notices not shown (late 3)")
-    assert printed(notices, notices=True).count("happened") == 3
+    assert printed(notices, notices=True).count("happened.") == 3
 
 
 def test_a_long_incident_is_cut() -> None:

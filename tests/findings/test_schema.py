@@ -3,7 +3,6 @@
 import json
 
 import jsonschema
-import pytest
 
 from runglight import finding_schema
 from runglight.findings.finding import Finding
@@ -26,16 +25,17 @@ def test_the_decoded_finding_has_the_same_keys() -> None:
     assert fields == set(KEYS)
 
 
-@pytest.mark.parametrize("fault", range(1, 13))
-def test_findings_of_every_fault(nominal_model: NominalModel, fault: int) -> None:
+def test_findings_of_every_fault(nominal_model: NominalModel) -> None:
     validator = jsonschema.Draft202012Validator(finding_schema())
-    monitor = nominal_model.monitor()
-    lines = monitor.observe(simulated(seed=2, fault=fault)).json_lines()
-    lines += monitor.finish().json_lines()
-    assert lines
-    for line in lines:
-        validator.validate(json.loads(line))
-        assert tuple(json.loads(line)) == KEYS
+    checked = 0
+    for fault in range(1, 13):
+        monitor = nominal_model.monitor()
+        lines = monitor.observe(simulated(seed=2, fault=fault)).json_lines()
+        for line in lines + monitor.finish().json_lines():
+            validator.validate(json.loads(line))
+            assert tuple(json.loads(line)) == KEYS
+            checked += 1
+    assert checked > 12
 
 
 def test_the_schema_rejects() -> None:

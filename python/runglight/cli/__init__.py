@@ -53,8 +53,6 @@ def _usage(error: CycloptsError) -> str:
 
 
 def _failed(error: BaseException) -> int:
-    from runglight.errors import RunglightError  # noqa: PLC0415
-
     if isinstance(error, BrokenPipeError):
         # Whoever read our output has seen enough (`runglight … | head`).
         _silence_stdout()
@@ -64,13 +62,21 @@ def _failed(error: BaseException) -> int:
 
         traceback.print_exception(error)
         return WRONG
+    return _complain(_sentence(error))
+
+
+def _sentence(error: BaseException) -> str:
+    from runglight.errors import RunglightError  # noqa: PLC0415
+
     if isinstance(error, RunglightError):
-        return _complain(str(error))
+        return str(error)
     if isinstance(error, OSError) and error.errno is not None:
-        return _complain(_system_sentence(error))
+        return _system_sentence(error)
+    if isinstance(error, UnicodeEncodeError):
+        return f"{error.object!a}: a name that is not UTF-8; rename the file"
     if isinstance(error, MemoryError):
-        return _complain("not enough memory; try a shorter log")
-    return _complain(
+        return "not enough memory; try a shorter log"
+    return (
         f"this is a defect of runglight, please report it: {type(error).__name__}: {error} "
         f"({environment.DEBUG}=1 shows where)"
     )

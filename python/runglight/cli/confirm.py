@@ -52,7 +52,7 @@ def confirm(model: Path, finding_id: str, /) -> int:
 
 def _newest(model: Path, finding_id: str) -> str:
     try:
-        with FindingStore(model, writable=False) as store:
+        with FindingStore(model, create=False) as store:
             line = store.newest(finding_id)
             near = [] if line is not None else store.nearest_ids(finding_id)
     except sqlite3.Error as error:

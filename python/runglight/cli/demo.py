@@ -118,18 +118,19 @@ def _watch(
 
 
 def _name_the_fault(console: Console, findings: list[Finding], snapshots: dict[str, Any]) -> None:
-    alarms = [finding for finding in newest_lines(findings) if finding.severity != "notice"]
-    if not alarms:
+    newest = newest_lines(findings)
+    first = next((finding for finding in newest if finding.severity != "notice"), None)
+    if first is None:
         console.print("Nothing departed from the model.")
         return
-    first = alarms[0]
+    incident = [finding for finding in newest if finding.incident == first.incident]
     facts = Table(box=None, show_header=False, pad_edge=False)
     facts.add_column(style="bold", no_wrap=True)
     facts.add_column(overflow="fold")
     facts.add_row("What", Text(first.message))
     facts.add_row("When", Text(f"{spoken_time(first.time)} UTC"))
     facts.add_row("Where", Text(first.place))
-    facts.add_row("Look first at", Text(look_first(alarms)))
+    facts.add_row("Look first at", Text(look_first(incident)))
     if expected := expectation(first):
         facts.add_row("Expected", Text(expected))
     if first.path:
@@ -140,7 +141,7 @@ def _name_the_fault(console: Console, findings: list[Finding], snapshots: dict[s
     others = snapshots.get(first.snapshot_id or "", {}).get("devices", {})
     if others:
         # The snapshot: where every device stood at the first sign.
-        facts.add_row("Devices then", Text(", ".join(str(state) for state in others.values())))
+        facts.add_row("Devices then", Text(", ".join(each["state"] for each in others.values())))
     title = Text(f"{first.severity}: {first.kind.replace('_', ' ')}".upper())
     style = STYLES.get(first.severity, "")
     console.print(Panel(facts, title=title, border_style=style, box=box.ROUNDED, padding=(1, 2)))

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import Counter
 from typing import TYPE_CHECKING
 
+import msgspec
 from rich import box
 from rich.table import Table
 from rich.text import Text
@@ -22,14 +23,23 @@ if TYPE_CHECKING:
 STYLES = {"fault": "bold red", "anomaly": "yellow", "notice": "dim"}
 CONSEQUENCES_SHOWN = 6
 INCIDENTS_SHOWN = 200
+NARROW = 130
+"""Below this many characters, what was expected stands below what happened."""
 
 
 def newest_lines(findings: Iterable[Finding]) -> list[Finding]:
-    """One line per finding, the newest, in the order in which the findings were made."""
-    newest: dict[str, Finding] = {}
+    """One line per finding: as it was first told, in the state it has come to since."""
+    told: dict[str, Finding] = {}
     for finding in findings:
-        newest[finding.id] = finding
-    return list(newest.values())
+        first = told.setdefault(finding.id, finding)
+        told[finding.id] = msgspec.structs.replace(
+            first,
+            state=finding.state,
+            severity=finding.severity,
+            path=finding.path or first.path,
+            snapshot_id=finding.snapshot_id or first.snapshot_id,
+        )
+    return list(told.values())
 
 
 def incidents_of(findings: Iterable[Finding]) -> list[list[Finding]]:
@@ -42,19 +52,20 @@ def incidents_of(findings: Iterable[Finding]) -> list[list[Finding]]:
 
 def print_findings(console: Console, findings: Sequence[Finding], *, notices: bool) -> None:
     """The table: consequences of one incident below its first finding."""
-    newest = newest_lines(findings)
-    shown = [finding for finding in newest if notices or finding.severity != "notice"]
-    incidents = incidents_of(shown)
-    if incidents:
-        console.print(_table(incidents[:INCIDENTS_SHOWN]))
-    hidden = len(incidents) - INCIDENTS_SHOWN
+    incidents = incidents_of(newest_lines(findings))
+    # A consequence may be a notice by itself: it is shown below the alarm that explains it.
+    shown = [incident for incident in incidents if notices or _alarms(incident)]
+    if shown:
+        console.print(_table(shown[:INCIDENTS_SHOWN], console.width))
+    hidden = len(shown) - INCIDENTS_SHOWN
     if hidden > 0:
         _say(console, f"… and {counted(hidden, 'further incident')}: --format jsonl gives all.")
-    quiet = [finding for finding in newest if finding.severity == "notice"]
-    if quiet and not notices:
+    quiet = [] if notices else [each for each in incidents if not _alarms(each)]
+    if quiet:
+        findings = [finding for incident in quiet for finding in incident]
         _say(
             console,
-            f"{counted(len(quiet), 'notice')} not shown ({_by_kind(quiet)}): "
+            f"{counted(len(findings), 'notice')} not shown ({_by_kind(findings)}): "
             "unusual, but nothing the false-alarm budget pays for. --notices shows them.",
             "dim",
         )
@@ -110,40 +121,42 @@ def expectation(finding: Finding) -> str:
     return " or ".join(states)
 
 
-def _table(incidents: Sequence[Sequence[Finding]]) -> Table:
+def _table(incidents: Sequence[Sequence[Finding]], width: int) -> Table:
+    narrow = width < NARROW
+    ids = [len(finding.id) for incident in incidents for finding in incident]
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
     table.add_column("Time (UTC)", no_wrap=True)
     table.add_column("Severity", no_wrap=True)
     table.add_column("Device", overflow="fold")
-    table.add_column("What happened", ratio=3, min_width=30)
-    table.add_column("Expected", ratio=1, min_width=12)
-    table.add_column("Id", overflow="fold", no_wrap=True)
+    table.add_column("What happened", ratio=3, min_width=20)
+    if not narrow:
+        table.add_column("Expected", ratio=1, min_width=12)
+    # Whole: it is what the user types after `runglight confirm`.
+    table.add_column("Id", no_wrap=True, min_width=max(ids))
     for incident in incidents:
         stalled = any(finding.kind == "stall" for finding in incident)
         for position, finding in enumerate(incident[: CONSEQUENCES_SHOWN + 1]):
             what = Text(("└ " if position else "") + finding.message)
             if position == 0 and stalled:
                 what.append(f"\n→ Look first at {look_first(incident)}.", style="bold")
-            _add_row(table, finding, what)
+            table.add_row(*_cells(finding, what, narrow=narrow))
         rest = len(incident) - CONSEQUENCES_SHOWN - 1
         if rest > 0:
             table.add_row("", "", "", Text(f"└ and {rest:,} more that follow from it", "dim"))
     return table
 
 
-def _add_row(table: Table, finding: Finding, what: Text) -> None:
-    style = STYLES.get(finding.severity, "")
-    severity = Text(finding.severity, style)
+def _cells(finding: Finding, what: Text, *, narrow: bool) -> list[Text]:
+    severity = Text(finding.severity, STYLES.get(finding.severity, ""))
     if finding.state not in {"suspected", "confirmed"}:
         severity.append(f"\n{finding.state}", "dim")
-    table.add_row(
-        Text(spoken_time(finding.time)),
-        severity,
-        Text(finding.place),
-        what,
-        Text(expectation(finding)),
-        Text(finding.id, "dim"),
-    )
+    time = spoken_time(finding.time)
+    place, finding_id = Text(finding.place), Text(finding.id, "dim")
+    if not narrow:
+        return [Text(time), severity, place, what, Text(expectation(finding)), finding_id]
+    if expected := expectation(finding):
+        what.append(f"\nExpected: {expected}", "dim")
+    return [Text(time.replace(" ", "\n")), severity, place, what, finding_id]
 
 
 def spoken_time(iso: str) -> str:
@@ -151,6 +164,10 @@ def spoken_time(iso: str) -> str:
     day, _, clock = iso.removesuffix("Z").partition("T")
     whole, _, fraction = clock.partition(".")
     return f"{day} {whole}.{(fraction + '000')[:3]}"
+
+
+def _alarms(incident: Iterable[Finding]) -> bool:
+    return any(finding.severity != "notice" for finding in incident)
 
 
 def _by_kind(findings: Iterable[Finding]) -> str:

@@ -34,10 +34,10 @@ CREATE TABLE IF NOT EXISTS snapshot (
 class FindingStore:
     """Append findings, look the newest line of an id up."""
 
-    def __init__(self, model_directory: Path, *, writable: bool = True) -> None:
+    def __init__(self, model_directory: Path, *, create: bool = True) -> None:
         """Opens the store; raises `sqlite3.Error` where it cannot be opened or made."""
         self.path = model_directory / FILE_NAME
-        if writable:
+        if create:
             self._connection = sqlite3.connect(self.path, timeout=10)
             try:
                 self._connection.execute("PRAGMA journal_mode=WAL")
@@ -46,8 +46,9 @@ class FindingStore:
                 self._connection.close()
                 raise
         else:
+            # Not `ro`: a reader of that kind cannot tidy the write-ahead log away when it ends.
             self._connection = sqlite3.connect(
-                f"{self.path.resolve().as_uri()}?mode=ro", uri=True, timeout=10
+                f"{self.path.resolve().as_uri()}?mode=rw", uri=True, timeout=10
             )
 
     def __enter__(self) -> FindingStore:

@@ -20,7 +20,7 @@ class LeftOut(msgspec.Struct):
 class ReadReport(msgspec.Struct):
     """Format, rows, and everything that was not taken."""
 
-    format: str = ""
+    format: str | None = None
     rows: int = 0
     bad_rows: int = 0
     bad: list[BadRow] = []
