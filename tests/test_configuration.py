@@ -160,6 +160,13 @@ def test_the_file_of_the_directory_is_taken(runglight: Command, cell: Path, tmp_
     assert json.loads(watched.stdout.splitlines()[0])["kind"] == "transition"
 
 
+def test_the_example_is_right() -> None:
+    example = Path(__file__).parent.parent / "examples" / "runglight.toml"
+    configuration = load_configuration(example)
+    assert configuration.signal_state.starting == {"Line1-Clamp": "OPEN"}
+    assert configuration.log.bits == ["STATUS_WORD"]
+
+
 def test_an_error_in_it_is_one_line(refused: Callable[..., str], tmp_path: Path) -> None:
     (tmp_path / "runglight.toml").write_text("[watch]\nformat = 'xml'\n", encoding="utf-8")
     assert "runglight.toml: [watch]: format: " in refused("watch", "cell.model", "log.csv")
