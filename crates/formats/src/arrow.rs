@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use arrow_array::{
-    Array, ArrayRef, DictionaryArray, Int64Array, RecordBatch, StringArray, TimestampNanosecondArray,
-    UInt32Array,
+    Array, ArrayRef, DictionaryArray, Int64Array, RecordBatch, StringArray,
+    TimestampNanosecondArray, UInt32Array,
 };
 use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef, TimeUnit};
 use runglight_engine::log::{ChangeLog, Nanoseconds};
@@ -41,7 +41,8 @@ pub(crate) fn rows_to_batch(log: &ChangeLog, offset: usize, length: usize) -> Re
     let whole = log.time.len().min(log.signal.len()).min(log.value.len());
     let end = (offset + length).min(whole);
     let start = offset.min(end);
-    let known = log.signal[start..end].iter().take_while(|&&index| (index as usize) < log.signals.len());
+    let known =
+        log.signal[start..end].iter().take_while(|&&index| (index as usize) < log.signals.len());
     let end = start + known.count();
     let names = StringArray::from_iter_values(&log.signals);
     let time = TimestampNanosecondArray::from_iter_values(log.time[start..end].iter().copied());
@@ -81,8 +82,13 @@ pub fn from_batches(
     Ok(log)
 }
 
-fn append(batch: &RecordBatch, names: &mut SignalNames, log: &mut ChangeLog) -> Result<(), TableFault> {
-    let [times, signals, values] = [column(batch, "time")?, column(batch, "signal")?, column(batch, "value")?];
+fn append(
+    batch: &RecordBatch,
+    names: &mut SignalNames,
+    log: &mut ChangeLog,
+) -> Result<(), TableFault> {
+    let [times, signals, values] =
+        [column(batch, "time")?, column(batch, "signal")?, column(batch, "value")?];
     let times = match Times::new(times) {
         Some(ticks @ Times::Ticks { .. }) => ticks,
         _ => return Err(wrong_type("time", times, "a timestamp")),

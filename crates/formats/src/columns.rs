@@ -153,7 +153,12 @@ impl Times {
 
 /// A column of signal names; each name of its dictionary is looked up once.
 pub(crate) enum Names {
-    Dictionary { keys: Vec<usize>, nulls: Option<arrow_buffer::NullBuffer>, values: StringArray, known: Vec<Option<SignalIndex>> },
+    Dictionary {
+        keys: Vec<usize>,
+        nulls: Option<arrow_buffer::NullBuffer>,
+        values: StringArray,
+        known: Vec<Option<SignalIndex>>,
+    },
     Plain(StringArray),
 }
 
@@ -166,7 +171,12 @@ impl Names {
             let values = Self::strings(dictionary.values())?;
             let known = vec![None; values.len()];
             let nulls = dictionary.keys().nulls().cloned();
-            return Some(Self::Dictionary { keys: dictionary.normalized_keys(), nulls, values, known });
+            return Some(Self::Dictionary {
+                keys: dictionary.normalized_keys(),
+                nulls,
+                values,
+                known,
+            });
         }
         Self::strings(&plain(array)?).map(Self::Plain)
     }

@@ -11,6 +11,7 @@ use std::path::Path;
 
 use runglight_engine::log::Nanoseconds;
 
+use crate::Reading;
 use crate::error::{FormatError, RowFault};
 use crate::format::Format;
 use crate::intake::Intake;
@@ -18,14 +19,17 @@ use crate::layout::{self, Layout, TimeColumns};
 use crate::options::ReadOptions;
 use crate::source::Source;
 use crate::time::{self, TimeFormat, TimeParser};
-use crate::Reading;
 use dialect::Dialect;
 use records::{Found, LINE_MOST, Records};
 
 pub(crate) use write::write;
 
 /// Reads delimited text.
-pub(crate) fn read(path: &Path, source: Source, options: &ReadOptions) -> Result<Reading, FormatError> {
+pub(crate) fn read(
+    path: &Path,
+    source: Source,
+    options: &ReadOptions,
+) -> Result<Reading, FormatError> {
     let mut intake = Intake::new(path, Format::Csv, options)?;
     for note in &source.notes {
         intake.report.note(*note);
@@ -147,8 +151,9 @@ pub(crate) fn parser_for<'a>(
         },
     };
     let midnight = match &options.date {
-        Some(date) => time::midnight(date)
-            .ok_or_else(|| option("date", date, "a day written YYYY-MM-DD"))?,
+        Some(date) => {
+            time::midnight(date).ok_or_else(|| option("date", date, "a day written YYYY-MM-DD"))?
+        }
         None => {
             if format == TimeFormat::Clock {
                 intake.report.note(

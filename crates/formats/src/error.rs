@@ -151,7 +151,11 @@ pub enum FormatError {
 #[non_exhaustive]
 pub enum TableFault {
     /// A column is missing.
-    #[error("it has no column {}, only {}; name its columns time, signal and value", Quoted(column), List(columns))]
+    #[error(
+        "it has no column {}, only {}; name its columns time, signal and value",
+        Quoted(column),
+        List(columns)
+    )]
     Missing {
         /// The column looked for.
         column: &'static str,
@@ -224,7 +228,9 @@ pub enum RowFault {
         limit_mib: usize,
     },
     /// The row lies too far before an earlier one.
-    #[error("lies {late_s} s before an earlier row, expected at most the reorder window of {reorder_s} s (sort the file by time or widen the window)")]
+    #[error(
+        "lies {late_s} s before an earlier row, expected at most the reorder window of {reorder_s} s (sort the file by time or widen the window)"
+    )]
     Late {
         /// How far back it lies, in seconds with three digits.
         late_s: String,

@@ -4,12 +4,12 @@ use std::path::{Path, PathBuf};
 
 use runglight_engine::log::{ChangeLog, Gap, Nanoseconds, SECOND, SignalIndex};
 
+use crate::Reading;
 use crate::error::{FormatError, RowFault};
 use crate::format::Format;
 use crate::names::SignalNames;
 use crate::options::{OnError, ReadOptions};
 use crate::report::{BadRow, ReadReport, SHOWN_BAD_ROWS};
-use crate::Reading;
 
 /// Collects rows into a log.
 pub(crate) struct Intake {
@@ -27,7 +27,11 @@ pub(crate) struct Intake {
 }
 
 impl Intake {
-    pub(crate) fn new(path: &Path, format: Format, options: &ReadOptions) -> Result<Self, FormatError> {
+    pub(crate) fn new(
+        path: &Path,
+        format: Format,
+        options: &ReadOptions,
+    ) -> Result<Self, FormatError> {
         Ok(Self {
             path: path.to_owned(),
             report: ReadReport::new(format),

@@ -86,15 +86,55 @@ pub(crate) enum Layout {
 }
 
 const TIME_NAMES: [&str; 17] = [
-    "timestamp", "time", "datetime", "dateandtime", "timestring", "timestamputc", "timeutc",
-    "utc", "ts", "eventtime", "logtime", "localtime", "timetimestamp", "date", "zeit", "zeitstempel", "t",
+    "timestamp",
+    "time",
+    "datetime",
+    "dateandtime",
+    "timestring",
+    "timestamputc",
+    "timeutc",
+    "utc",
+    "ts",
+    "eventtime",
+    "logtime",
+    "localtime",
+    "timetimestamp",
+    "date",
+    "zeit",
+    "zeitstempel",
+    "t",
 ];
 const SIGNAL_NAMES: [&str; 18] = [
-    "signal", "signalname", "symbol", "symbolname", "tag", "tagname", "variable", "variablename", "varname",
-    "name", "address", "itemid", "item", "nodeid", "point", "pointname", "channel", "conceptname",
+    "signal",
+    "signalname",
+    "symbol",
+    "symbolname",
+    "tag",
+    "tagname",
+    "variable",
+    "variablename",
+    "varname",
+    "name",
+    "address",
+    "itemid",
+    "item",
+    "nodeid",
+    "point",
+    "pointname",
+    "channel",
+    "conceptname",
 ];
-const VALUE_NAMES: [&str; 9] =
-    ["value", "status", "state", "val", "varvalue", "newvalue", "symbolvalue", "variablevalue", "tagvalue"];
+const VALUE_NAMES: [&str; 9] = [
+    "value",
+    "status",
+    "state",
+    "val",
+    "varvalue",
+    "newvalue",
+    "symbolvalue",
+    "variablevalue",
+    "tagvalue",
+];
 
 /// A column's name without case, blanks, underscores and punctuation: `_TIMESTAMP`, `Time stamp`.
 fn plain(name: &str) -> String {
@@ -197,7 +237,11 @@ impl Search<'_> {
             .collect()
     }
 
-    fn time(&self, options: &ReadOptions, report: &mut ReadReport) -> Result<TimeColumns, FormatError> {
+    fn time(
+        &self,
+        options: &ReadOptions,
+        report: &mut ReadReport,
+    ) -> Result<TimeColumns, FormatError> {
         if let Some(name) = &options.time_column {
             return Ok(TimeColumns { date: None, time: self.named("time_column", name)? });
         }
@@ -250,7 +294,8 @@ impl Search<'_> {
             Some(name) => Some(self.named("value_column", name)?),
             None => None,
         };
-        if signal.is_empty() && value.is_none()
+        if signal.is_empty()
+            && value.is_none()
             && let Some(codes) = self.event_codes()
         {
             self.say_occurrences(&codes, report);
@@ -356,11 +401,14 @@ impl Search<'_> {
             matches!(self.columns[*column].kind, Kind::Text) && !wanted.contains(column)
         });
         if columns.is_empty() && texts.is_empty() {
-            return Err(self.missing("signal column", "a log needs at least time, signal and value"));
+            return Err(
+                self.missing("signal column", "a log needs at least time, signal and value")
+            );
         }
         // More text than numbers is a table of events whose signal columns nobody named.
         if texts.len() >= columns.len() {
-            let names: Vec<_> = texts.iter().map(|&text| self.columns[text].name.as_str()).collect();
+            let names: Vec<_> =
+                texts.iter().map(|&text| self.columns[text].name.as_str()).collect();
             return Err(self.missing(
                 "signal column and value column",
                 format!(

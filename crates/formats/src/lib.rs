@@ -10,6 +10,7 @@ mod error;
 mod format;
 mod intake;
 mod layout;
+mod lines;
 mod names;
 pub mod model_directory;
 mod options;
@@ -21,7 +22,12 @@ mod sniff;
 mod source;
 mod time;
 mod value;
+<<<<<<< HEAD
 pub mod rules_table;
+=======
+mod vcd;
+mod xes;
+>>>>>>> formats
 
 use std::path::Path;
 
@@ -51,6 +57,7 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Reading, FormatError> 
     match sniff::format(path, &source.head, options.format)? {
         Format::Csv => csv::read(path, source, options),
         Format::Parquet => parquet::read(path, options),
-        _ => Err(FormatError::UnknownFormat { path: path.to_owned(), found: "not built yet".to_owned() }),
+        Format::Xes => xes::read(path, source, options),
+        Format::Vcd => vcd::read(path, source, options),
     }
 }

@@ -10,6 +10,8 @@ use crate::csv;
 use crate::error::FormatError;
 use crate::format::Format;
 use crate::parquet;
+use crate::vcd;
+use crate::xes;
 
 /// Writes a log; the format follows the file's ending where it is not given. Returns the rows
 /// written.
@@ -33,9 +35,16 @@ pub fn write(log: &ChangeLog, path: &Path, format: Option<Format>) -> Result<u64
         Format::Csv => csv::write(log, &mut buffered, delimiter(path)).map_err(failed)?,
         Format::Parquet => parquet::write(log, &mut buffered)
             .map_err(|error| failed(std::io::Error::other(error)))?,
-        _ => {
-            return Err(FormatError::UnknownFormat { path: path.to_owned(), found: "not built yet".to_owned() });
+        Format::Xes if !xes::can_write(log) => {
+            return Err(FormatError::Unwritable {
+                path: path.to_owned(),
+                format: "XES",
+                reason: "a signal's name holds a character that XML does not have; rename it"
+                    .to_owned(),
+            });
         }
+        Format::Xes => xes::write(log, &mut buffered).map_err(failed)?,
+        Format::Vcd => vcd::write(log, &mut buffered).map_err(failed)?,
     }
     buffered.flush().map_err(failed)?;
     let temporary = buffered.into_inner().map_err(|error| failed(error.into_error()))?;

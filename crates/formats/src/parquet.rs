@@ -40,8 +40,9 @@ const RATIO_MOST: u64 = 1_000;
 /// Reads a Parquet file.
 pub(crate) fn read(path: &Path, options: &ReadOptions) -> Result<Reading, FormatError> {
     // The decoder trusts lengths in the file here and there; damaged ones can make it panic.
-    catch_unwind(AssertUnwindSafe(|| ParquetFile { path, options }.read()))
-        .unwrap_or_else(|_| Err(FormatError::damaged(path, "Parquet", "its pages contradict its footer")))
+    catch_unwind(AssertUnwindSafe(|| ParquetFile { path, options }.read())).unwrap_or_else(|_| {
+        Err(FormatError::damaged(path, "Parquet", "its pages contradict its footer"))
+    })
 }
 
 struct ParquetFile<'a> {
@@ -73,7 +74,9 @@ impl ParquetFile<'_> {
             .next()
             .transpose()
             .map_err(|error| FormatError::damaged(self.path, "Parquet", error))?
-            .unwrap_or_else(|| RecordBatch::new_empty(std::sync::Arc::new(arrow_schema::Schema::empty())));
+            .unwrap_or_else(|| {
+                RecordBatch::new_empty(std::sync::Arc::new(arrow_schema::Schema::empty()))
+            });
         let columns: Vec<Column> = fields
             .iter()
             .enumerate()
@@ -89,7 +92,9 @@ impl ParquetFile<'_> {
             Layout::Long { time, signal, value } => {
                 self.long(&columns, time, &signal, value, parser, intake)
             }
-            Layout::Wide { time, columns: kept } => self.wide(&columns, time, &kept, parser, intake),
+            Layout::Wide { time, columns: kept } => {
+                self.wide(&columns, time, &kept, parser, intake)
+            }
         }
     }
 
@@ -147,7 +152,13 @@ impl ParquetFile<'_> {
             .map_err(|error| self.damaged(error))
     }
 
-    fn unusable(&self, column: &Column, batch: &RecordBatch, place: usize, role: &'static str) -> FormatError {
+    fn unusable(
+        &self,
+        column: &Column,
+        batch: &RecordBatch,
+        place: usize,
+        role: &'static str,
+    ) -> FormatError {
         let found = batch.column(place).data_type().to_string();
         FormatError::Columns {
             path: self.path.to_owned(),
@@ -188,9 +199,9 @@ impl ParquetFile<'_> {
                 );
             }
             let values = match value {
-                Some(column) => Some(
-                    Cells::new(array(column)).ok_or_else(|| refuse(column, "value column"))?,
-                ),
+                Some(column) => {
+                    Some(Cells::new(array(column)).ok_or_else(|| refuse(column, "value column"))?)
+                }
                 None => None,
             };
             for at in 0..batch.num_rows() {
@@ -205,7 +216,10 @@ impl ParquetFile<'_> {
                     for (names, &column) in names.iter().zip(signal) {
                         if names.name(at).is_none() {
                             let column = name(column).to_owned();
-                            return Err(RowFault::EmptyCell { column, expected: "the name of a signal" });
+                            return Err(RowFault::EmptyCell {
+                                column,
+                                expected: "the name of a signal",
+                            });
                         }
                     }
                     Ok((time, number))
@@ -272,8 +286,9 @@ impl ParquetFile<'_> {
         };
         for batch in self.batches(&wanted)? {
             let batch = batch.map_err(|error| FormatError::damaged(self.path, "Parquet", error))?;
-            let times = Times::new(batch.column(places.of(time.time)))
-                .ok_or_else(|| self.unusable(&columns[time.time], &batch, places.of(time.time), "time column"))?;
+            let times = Times::new(batch.column(places.of(time.time))).ok_or_else(|| {
+                self.unusable(&columns[time.time], &batch, places.of(time.time), "time column")
+            })?;
             let cells: Vec<Option<Cells>> =
                 kept.iter().map(|&column| Cells::new(batch.column(places.of(column)))).collect();
             for at in 0..batch.num_rows() {
@@ -337,12 +352,16 @@ fn restore(metadata: &ParquetMetaData, intake: &mut Intake) {
     for entry in metadata.file_metadata().key_value_metadata().into_iter().flatten() {
         let Some(text) = &entry.value else { continue };
         let understood = match entry.key.as_str() {
-            SCAN_INTERVAL => text.parse().map(|interval| intake.scan_interval = Some(interval)).is_ok(),
+            SCAN_INTERVAL => {
+                text.parse().map(|interval| intake.scan_interval = Some(interval)).is_ok()
+            }
             GAPS => serde_json::from_str::<Vec<Gap>>(text).map(|gaps| intake.gaps = gaps).is_ok(),
             _ => true,
         };
         if !understood {
-            intake.report.note(format!("the note {} in the file is damaged and not used", entry.key));
+            intake
+                .report
+                .note(format!("the note {} in the file is damaged and not used", entry.key));
         }
     }
 }

@@ -138,7 +138,8 @@ impl Sampler {
         if self.stop_at_first {
             return intake.bad(row, reason);
         }
-        let mut rows: Vec<u64> = self.kept().flat_map(|column| column.bad.iter().copied()).collect();
+        let mut rows: Vec<u64> =
+            self.kept().flat_map(|column| column.bad.iter().copied()).collect();
         rows.sort_unstable();
         rows.dedup();
         intake.report.bad_rows += rows.len() as u64;
@@ -147,7 +148,9 @@ impl Sampler {
         shown.sort_by_key(|(row, _)| *row);
         shown.dedup_by_key(|(row, _)| *row);
         let bad = &mut intake.report.bad;
-        bad.extend(shown.into_iter().map(|(row, reason)| BadRow { row, reason: reason.to_string() }));
+        bad.extend(
+            shown.into_iter().map(|(row, reason)| BadRow { row, reason: reason.to_string() }),
+        );
         bad.sort_by_key(|bad| bad.row);
         bad.truncate(SHOWN_BAD_ROWS);
         Ok(())

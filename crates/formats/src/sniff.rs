@@ -7,7 +7,11 @@ use crate::format::Format;
 
 /// Kinds of files people hand over instead of a log: first bytes, what they are, the mend.
 const OTHERS: [(&[u8], &str, &str); 13] = [
-    (b"PK\x03\x04", "a zip archive or an Excel workbook", "unpack it first, or save the sheet as CSV"),
+    (
+        b"PK\x03\x04",
+        "a zip archive or an Excel workbook",
+        "unpack it first, or save the sheet as CSV",
+    ),
     (b"PK\x05\x06", "an empty zip archive", "export the log again"),
     (b"\x28\xB5\x2F\xFD", "a zstd archive", "unpack it first"),
     (b"\xFD7zXZ\0", "an xz archive", "unpack it first"),
@@ -23,7 +27,11 @@ const OTHERS: [(&[u8], &str, &str); 13] = [
 ];
 
 /// The format of a file by its first bytes, its name and what was asked for.
-pub(crate) fn format(path: &Path, head: &[u8], asked: Option<Format>) -> Result<Format, FormatError> {
+pub(crate) fn format(
+    path: &Path,
+    head: &[u8],
+    asked: Option<Format>,
+) -> Result<Format, FormatError> {
     let not_a_log = |found, mend| FormatError::NotALog { path: path.to_owned(), found, mend };
     for (magic, found, mend) in OTHERS {
         if head.starts_with(magic) {

@@ -31,7 +31,8 @@ impl Source {
     /// Opens a file.
     pub(crate) fn open(path: &Path) -> Result<Self, FormatError> {
         let file = open_file(path)?;
-        let packed = file.metadata().map_err(|error| FormatError::io(path, "read this file", error))?.len();
+        let packed =
+            file.metadata().map_err(|error| FormatError::io(path, "read this file", error))?.len();
         let mut source = Self::start(path, Box::new(file))?;
         if source.head.is_empty() {
             return Err(FormatError::Empty { path: path.to_owned() });
@@ -39,7 +40,8 @@ impl Source {
         if source.head.starts_with(&[0x1F, 0x8B]) {
             let limit = UNPACKED_MOST.min(UNPACKED_FREE.max(packed.saturating_mul(RATIO_MOST)));
             let unpacked = MultiGzDecoder::new(source.into_reader());
-            let guard = Guard { inner: unpacked, left: limit, limit, packed, path: path.to_owned() };
+            let guard =
+                Guard { inner: unpacked, left: limit, limit, packed, path: path.to_owned() };
             source = Self::start(path, Box::new(guard))?;
             source.notes.push("unpacked from gzip");
             if source.head.is_empty() {
@@ -110,9 +112,10 @@ struct Guard<R> {
 
 impl<R: Read> Read for Guard<R> {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
-        let read = self.inner.read(buffer).map_err(|error| {
-            io::Error::other(FormatError::damaged(&self.path, "gzip", error))
-        })?;
+        let read = self
+            .inner
+            .read(buffer)
+            .map_err(|error| io::Error::other(FormatError::damaged(&self.path, "gzip", error)))?;
         self.left = self.left.checked_sub(read as u64).ok_or_else(|| {
             io::Error::other(FormatError::TooLarge {
                 path: self.path.clone(),

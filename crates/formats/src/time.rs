@@ -128,8 +128,12 @@ fn sniff_number<'a>(
     unit_hint: Option<Nanoseconds>,
     notes: &mut Vec<String>,
 ) -> Option<TimeFormat> {
-    const UNITS: [(Nanoseconds, &str); 4] =
-        [(SECOND, "seconds"), (1_000_000, "milliseconds"), (1_000, "microseconds"), (1, "nanoseconds")];
+    const UNITS: [(Nanoseconds, &str); 4] = [
+        (SECOND, "seconds"),
+        (1_000_000, "milliseconds"),
+        (1_000, "microseconds"),
+        (1, "nanoseconds"),
+    ];
     let plausible =
         |format: &TimeFormat| sample.clone().filter(|cell| is_plausible(format, cell)).count();
     let mut best = (TimeFormat::unix(SECOND), 0, String::new());
@@ -148,7 +152,8 @@ fn sniff_number<'a>(
     if best.1 == 0 {
         sample.clone().find_map(decimal)?;
         let unit = unit_hint.unwrap_or(SECOND);
-        let name = UNITS.iter().find(|(known, _)| *known == unit).map_or("seconds", |known| known.1);
+        let name =
+            UNITS.iter().find(|(known, _)| *known == unit).map_or("seconds", |known| known.1);
         best.0 = TimeFormat::unix(unit);
         best.2 = format!(
             "times give no year from 1990 to 2100 in any unit: taken as {name} since 1970-01-01; give time_format if that is wrong"
@@ -161,9 +166,9 @@ fn sniff_number<'a>(
 /// True where a number lies between 1990 and 2100.
 fn is_plausible(format: &TimeFormat, cell: &[u8]) -> bool {
     let TimeFormat::Number { unit, epoch_s } = *format else { return false };
-    decimal(cell)
-        .and_then(|number| number.scaled(unit))
-        .is_some_and(|time| PLAUSIBLE_S.contains(&(time / i128::from(SECOND) + i128::from(epoch_s))))
+    decimal(cell).and_then(|number| number.scaled(unit)).is_some_and(|time| {
+        PLAUSIBLE_S.contains(&(time / i128::from(SECOND) + i128::from(epoch_s)))
+    })
 }
 
 /// True where a number lies between 1990 and 2100 in some unit.
@@ -566,7 +571,8 @@ fn decimal(cell: &[u8]) -> Option<Decimal> {
             }
             b'.' | b',' if !point => point = true,
             b'e' | b'E' if rest.len() < digits.len() => {
-                exponent = exponent.checked_add(std::str::from_utf8(tail).ok()?.parse::<i16>().ok()?.into())?;
+                exponent = exponent
+                    .checked_add(std::str::from_utf8(tail).ok()?.parse::<i16>().ok()?.into())?;
                 break;
             }
             _ => return None,

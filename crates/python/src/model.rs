@@ -205,7 +205,7 @@ pub fn learn(
     let parameters: Parameters = serde_json::from_str(parameters_json)
         .map_err(|error| errors::input(format!("parameters of learning: {error}")))?;
     let table = SymbolTable::parse(symbols_csv.unwrap_or("address\n")).map_err(errors::input)?;
-    let logs: Vec<ChangeLog> = logs.iter().map(|log| log.get().log.clone()).collect();
+    let logs: Vec<&ChangeLog> = logs.iter().map(|log| &log.get().log).collect();
     let model = py.detach(|| learn_model(&logs, &table, &parameters)).map_err(errors::input)?;
     let provenance = Provenance { created: now_text(), source };
     Ok(PyNominalModel { model: Arc::new(model), provenance })

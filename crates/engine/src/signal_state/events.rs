@@ -19,32 +19,51 @@ pub struct Row {
     pub value: i64,
 }
 
+/// What a row means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Meaning {
+    /// The signal changed.
+    Event,
+    /// The signal still has the value it had.
+    Sample,
+    /// After a gap: the signal has the value it had before, and may have changed in between or
+    /// even just now, from a value nobody saw.
+    Doubtful,
+}
+
 /// The last value of every signal.
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Values {
     last: Vec<Option<i64>>,
+    /// Signals not seen again since a gap; empty where there was none.
+    doubted: Vec<bool>,
 }
 
 impl Values {
     /// No value known yet.
     pub fn new(signals: usize) -> Self {
-        Self { last: vec![None; signals] }
+        Self { last: vec![None; signals], doubted: Vec::new() }
     }
 
-    /// Takes a row in; true where it is an event.
+    /// Takes a row in and says what it means.
     #[inline]
-    pub fn changed(&mut self, signal: SignalIndex, value: i64) -> bool {
+    pub fn take(&mut self, signal: SignalIndex, value: i64) -> Meaning {
+        let doubted = match self.doubted.get_mut(signal as usize) {
+            Some(doubted) => std::mem::replace(doubted, false),
+            None => false,
+        };
         let last = &mut self.last[signal as usize];
         if *last == Some(value) {
-            return false;
+            return if doubted { Meaning::Doubtful } else { Meaning::Sample };
         }
         *last = Some(value);
-        true
+        Meaning::Event
     }
 
-    /// The present value of a signal, where known.
-    pub fn get(&self, signal: SignalIndex) -> Option<i64> {
-        self.last.get(signal as usize).copied().flatten()
+    /// A gap: every signal may have changed unseen.
+    pub fn doubt(&mut self) {
+        self.doubted.clear();
+        self.doubted.resize(self.last.len(), true);
     }
 }
 

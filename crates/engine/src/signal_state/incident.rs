@@ -58,8 +58,10 @@ impl Incident {
         fresh_for: Nanoseconds,
     ) -> Placement {
         let joined = open.as_mut().filter(|incident| {
-            occurrence.time.saturating_sub(incident.last) <= fresh_for
-                || (is_delay(occurrence.kind) && occurrence.waiting_since <= incident.last)
+            // What waits has been waiting since before it is told: a stop belongs to what went wrong
+            // shortly before the group's last event.
+            let began = if is_delay(occurrence.kind) { occurrence.waiting_since } else { occurrence.time };
+            began.saturating_sub(incident.last) <= fresh_for
         });
         if let Some(incident) = joined {
             let consequence = incident.explains(&occurrence);
@@ -77,7 +79,8 @@ impl Incident {
     }
 
     fn explains(&self, occurrence: &Occurrence<'_>) -> bool {
-        if occurrence.chain == self.cause {
+        // A stopped line is never a side note.
+        if occurrence.chain == self.cause || occurrence.kind == Kind::Stall {
             return false;
         }
         let echoed = self.cause_is_device && occurrence.chain_kind == ChainKind::Group;

@@ -1,5 +1,7 @@
 //! Learning the nominal model from fault-free logs (Ghosh 2016, sections 2.4.1 and 2.4.2).
 
+use std::borrow::Borrow;
+
 use thiserror::Error;
 
 use crate::log::{ChangeLog, Nanoseconds, SECOND, SignalIndex};
@@ -11,7 +13,7 @@ use crate::timing::{self, TimeCluster, optimal};
 
 use super::chains::{ChainIndex, ChainKind, Chains};
 use super::dispersion;
-use super::events::{Row, Values, is_image};
+use super::events::{Meaning, Row, Values, is_image};
 use super::model::{Learned, NominalModel};
 use super::order::ScanOrder;
 use super::parameters::{ParameterError, Parameters, Timing};
@@ -50,6 +52,8 @@ struct Event {
     state: StateId,
     /// True where sight was lost before this event: a start or a gap.
     after_break: bool,
+    /// True where this is no event but its device's state is in doubt after a gap.
+    doubtful: bool,
 }
 
 /// Learns from one or more logs of the same plant, each a run of its own.
@@ -57,12 +61,14 @@ struct Event {
 /// # Errors
 /// No event at all, a parameter out of range, an unknown starting signal, a naming rule that is
 /// none.
-pub fn learn(
-    logs: &[ChangeLog],
+pub fn learn<L: Borrow<ChangeLog>>(
+    logs: &[L],
     table: &SymbolTable,
     parameters: &Parameters,
 ) -> Result<NominalModel, LearnError> {
     parameters.validate()?;
+    let logs: Vec<&ChangeLog> = logs.iter().map(Borrow::borrow).collect();
+    let logs = logs.as_slice();
     let rule = NamingRule::parse(&parameters.naming)?;
     let symbols = all_symbols(logs);
     let mut plant = Plant::arrange(&symbols, table, &rule);
@@ -80,7 +86,7 @@ pub fn learn(
     let rules = rules(transitions, &chains, parameters, resolution);
     let learned = Learned {
         events: events.len() as u64,
-        duration: logs.iter().filter_map(span).sum(),
+        duration: logs.iter().copied().filter_map(span).sum(),
         resolution,
         scan_window: scan_window(logs, parameters),
         longest_pause: longest_pauses(&events, &chains, plant.groups.len()),
@@ -94,7 +100,7 @@ fn span(log: &ChangeLog) -> Option<Nanoseconds> {
 }
 
 /// Symbols of all logs in the order they are first named.
-fn all_symbols(logs: &[ChangeLog]) -> Vec<String> {
+fn all_symbols(logs: &[&ChangeLog]) -> Vec<String> {
     let mut seen = std::collections::HashSet::new();
     logs.iter()
         .flat_map(|log| &log.signals)
@@ -104,7 +110,7 @@ fn all_symbols(logs: &[ChangeLog]) -> Vec<String> {
 }
 
 /// A signal that ever holds a value other than 0 and 1 is a word.
-fn mark_words(plant: &mut Plant, logs: &[ChangeLog]) {
+fn mark_words(plant: &mut Plant, logs: &[&ChangeLog]) {
     for log in logs {
         let to_plant = indices(log, plant);
         for (&signal, &value) in log.signal.iter().zip(&log.value) {
@@ -124,12 +130,12 @@ fn indices(log: &ChangeLog, plant: &Plant) -> Vec<SignalIndex> {
 
 /// All events of all logs, scans in canonical order where `order` is given.
 fn read_events(
-    logs: &[ChangeLog],
+    logs: &[&ChangeLog],
     plant: &Plant,
     states: &mut States,
     order: Option<&ScanOrder>,
 ) -> Vec<Event> {
-    let mut events = Vec::with_capacity(logs.iter().map(ChangeLog::len).sum());
+    let mut events = Vec::with_capacity(logs.iter().map(|log| log.len()).sum());
     for log in logs {
         let to_plant = indices(log, plant);
         let mut values = Values::new(plant.signals.len());
@@ -150,16 +156,20 @@ fn read_events(
             start = end;
             while gaps.next_if(|gap| gap.end <= time).is_some() {
                 (after_break, resynchronise) = (true, true);
+                values.doubt();
             }
             if let Some(order) = order {
                 order.sort(&mut scan);
             }
             for row in &scan {
-                if values.changed(row.signal, row.value) && !resynchronise {
-                    let state = states.intern(row.signal, row.value);
-                    events.push(Event { time, signal: row.signal, state, after_break });
-                    after_break = false;
+                let meaning = values.take(row.signal, row.value);
+                if meaning == Meaning::Sample || resynchronise {
+                    continue;
                 }
+                let state = states.intern(row.signal, row.value);
+                let doubtful = meaning == Meaning::Doubtful;
+                events.push(Event { time, signal: row.signal, state, after_break, doubtful });
+                after_break = false;
             }
             resynchronise = false;
         }
@@ -242,6 +252,10 @@ fn walk(events: &[Event], chains: &Chains, states: usize) -> Transitions {
         let group = chains.group_chain(event.signal).map(|chain| (chain, ChainKind::Group));
         let device = (chains.device_chain(event.signal), ChainKind::Device);
         for (chain, kind) in std::iter::once(device).chain(group) {
+            if event.doubtful {
+                here[chain] = nowhere;
+                continue;
+            }
             let before = here[chain];
             // Signals that were ON when the log began were all written at its first time.
             let first = before.state == NO_STATE || (before.first && before.time == event.time);
@@ -386,14 +400,14 @@ fn branch_dispersion(found: &Transitions) -> Vec<f64> {
 
 /// Smallest time difference that means something: the scan interval where known, else the
 /// greatest common divisor of all times (the logger's resolution), within 1 ms to 1 s.
-fn resolution(logs: &[ChangeLog], parameters: &Parameters) -> Nanoseconds {
+fn resolution(logs: &[&ChangeLog], parameters: &Parameters) -> Nanoseconds {
     let given = parameters.scan_interval_s.map(|s| (s * SECOND as f64) as Nanoseconds);
     let scan = given.or_else(|| logs.iter().filter_map(|log| log.scan_interval).max());
-    scan.unwrap_or_else(|| logs.iter().fold(0, common_divisor)).clamp(SECOND / 1000, SECOND)
+    scan.unwrap_or_else(|| logs.iter().copied().fold(0, common_divisor)).clamp(SECOND / 1000, SECOND)
 }
 
 /// Events closer than this have no order; zero where only equal times are of one scan.
-fn scan_window(logs: &[ChangeLog], parameters: &Parameters) -> Nanoseconds {
+fn scan_window(logs: &[&ChangeLog], parameters: &Parameters) -> Nanoseconds {
     let given = parameters.scan_interval_s.map(|s| (s * SECOND as f64) as Nanoseconds);
     given.or_else(|| logs.iter().filter_map(|log| log.scan_interval).max()).unwrap_or(0)
 }

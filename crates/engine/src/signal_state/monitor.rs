@@ -14,7 +14,7 @@ use crate::log::{Nanoseconds, SECOND, SignalIndex};
 use crate::timing;
 
 use super::chains::{ChainIndex, ChainKind};
-use super::events::{Row, Values, is_image};
+use super::events::{Meaning, Row, Values, is_image};
 use super::incident::{Incident, Occurrence};
 use super::message;
 use super::model::NominalModel;
@@ -242,6 +242,7 @@ impl Monitor {
         watch.group_stalled.fill(None);
         watch.next_deadline = Nanoseconds::MAX;
         watch.resynchronise = true;
+        watch.values.doubt();
         let finding = message::gap(start, end);
         self.findings.push(finding);
         std::mem::take(&mut self.findings)
@@ -349,11 +350,15 @@ impl Monitor {
             let row = rows[index];
             if row.signal >= known {
                 self.report_unknown_signal(row);
-            } else if self.watch.values.changed(row.signal, row.value)
-                && resynchronise_until != Some(row.time)
-            {
-                rows[events] = row;
-                events += 1;
+                continue;
+            }
+            match self.watch.values.take(row.signal, row.value) {
+                Meaning::Event if resynchronise_until != Some(row.time) => {
+                    rows[events] = row;
+                    events += 1;
+                }
+                Meaning::Doubtful => self.lose_sight(row.signal),
+                Meaning::Event | Meaning::Sample => {}
             }
         }
         rows.truncate(events);
@@ -367,6 +372,14 @@ impl Monitor {
         }
         rows.clear();
         self.watch.pending = rows;
+    }
+
+    /// The state of a signal's device is in doubt: what follows has no predecessor.
+    fn lose_sight(&mut self, signal: SignalIndex) {
+        let device = self.model.chains.device_chain(signal);
+        for chain in [Some(device), self.model.chains.group_chain(signal)].into_iter().flatten() {
+            self.watch.state[chain] = NO_STATE;
+        }
     }
 
     fn step_event(&mut self, row: Row) {

@@ -50,7 +50,8 @@ impl Dialect {
         let mut header_row = 1;
         let mut reader = Records::new(head, delimiter, newline);
         while records.len() <= SAMPLE {
-            let found = reader.advance().map_err(|error| FormatError::io(path, "read this file", error))?;
+            let found =
+                reader.advance().map_err(|error| FormatError::io(path, "read this file", error))?;
             match found {
                 None => break,
                 Some(Found::Record) if records.is_empty() && is_separator_line(reader.bytes()) => {}
@@ -58,11 +59,17 @@ impl Dialect {
                     if records.is_empty() {
                         header_row = reader.row();
                     }
-                    records.push((0..reader.len()).map(|field| reader.field(field).to_vec()).collect());
+                    records.push(
+                        (0..reader.len()).map(|field| reader.field(field).to_vec()).collect(),
+                    );
                 }
                 Some(fault) if records.is_empty() => {
                     let reason = super::fault_of(&fault).unwrap_or(RowFault::OpenQuote);
-                    return Err(FormatError::BadRow { path: path.to_owned(), row: reader.row(), reason });
+                    return Err(FormatError::BadRow {
+                        path: path.to_owned(),
+                        row: reader.row(),
+                        reason,
+                    });
                 }
                 Some(_) => {}
             }
@@ -91,8 +98,14 @@ impl Dialect {
             .iter()
             .enumerate()
             .map(|(index, name)| Column {
-                name: if headerless { format!("column {}", index + 1) } else { names::decode(name) },
-                kind: Kind::of(sample.iter().filter_map(|record| record.get(index)).map(Vec::as_slice)),
+                name: if headerless {
+                    format!("column {}", index + 1)
+                } else {
+                    names::decode(name)
+                },
+                kind: Kind::of(
+                    sample.iter().filter_map(|record| record.get(index)).map(Vec::as_slice),
+                ),
             })
             .collect();
         Ok(Self { delimiter, newline, header_row, headerless, columns, sample })
@@ -103,7 +116,9 @@ impl Dialect {
         if !self.headerless {
             return Ok(None);
         }
-        if self.columns.len() == 3 || (self.columns.len() == 4 && self.columns[3].kind == Kind::Empty) {
+        if self.columns.len() == 3
+            || (self.columns.len() == 4 && self.columns[3].kind == Kind::Empty)
+        {
             let time = TimeColumns { date: None, time: 0 };
             return Ok(Some(Layout::Long { time, signal: vec![1], value: Some(2) }));
         }

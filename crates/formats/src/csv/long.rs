@@ -30,7 +30,9 @@ pub(super) fn read(
             continue;
         }
         intake.report.rows += 1;
-        if let Some(fault) = fault_of(&found).or_else(|| fields_fault(&records, dialect.columns.len())) {
+        if let Some(fault) =
+            fault_of(&found).or_else(|| fields_fault(&records, dialect.columns.len()))
+        {
             intake.bad(row, fault)?;
             continue;
         }

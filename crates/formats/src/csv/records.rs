@@ -160,7 +160,8 @@ impl<R: Read> Records<R> {
                 return Ok(Found::Record);
             }
             let exhausted = self.at_end && self.start + end >= self.filled;
-            let next = if exhausted || end > QUOTED_MOST { None } else { self.find_line_end(end + 1)? };
+            let next =
+                if exhausted || end > QUOTED_MOST { None } else { self.find_line_end(end + 1)? };
             let Some(next) = next else {
                 let first = self.find_line_end(0)?.unwrap_or(self.filled);
                 self.start = (first + 1).min(self.filled);
@@ -221,7 +222,8 @@ impl<R: Read> Records<R> {
         let mut searched = self.start + offset;
         loop {
             if searched < self.filled
-                && let Some(found) = memchr::memchr(self.newline, &self.buffer[searched..self.filled])
+                && let Some(found) =
+                    memchr::memchr(self.newline, &self.buffer[searched..self.filled])
             {
                 return Ok(Some(searched + found));
             }
