@@ -11,23 +11,20 @@ mod format;
 mod intake;
 mod layout;
 mod lines;
-mod names;
 pub mod model_directory;
+mod names;
 mod options;
 mod output;
 mod parquet;
 mod report;
+pub mod rules_table;
 mod sampler;
 mod sniff;
 mod source;
 mod time;
 mod value;
-<<<<<<< HEAD
-pub mod rules_table;
-=======
 mod vcd;
 mod xes;
->>>>>>> formats
 
 use std::path::Path;
 
