@@ -4,11 +4,11 @@ import doctest
 import random
 from itertools import pairwise
 
-import plat
 import pytest
-from plat import Cluster, Parameters, Row, learn, time_clusters
 
 from runglight.plants.cell import simulate_cell
+from tests.reference import plat
+from tests.reference.plat import Cluster, Parameters, Row, learn, time_clusters
 
 S = 1_000_000_000
 

@@ -18,6 +18,8 @@ pub struct TimeCluster {
     pub minimum_s: f64,
     /// Largest instance.
     pub maximum_s: f64,
+    /// Standard deviation of the instances. Zero with `plat`.
+    pub deviation_s: f64,
     /// Share of the transition's instances (TTP). Not renormalised when clusters are dropped.
     pub probability: f64,
     /// Mean excess of the upper half over the median: the scale of the late tail. Zero with `plat`.
@@ -39,6 +41,7 @@ impl TimeCluster {
             minimum_s: first.unwrap_or_default(),
             maximum_s: last.unwrap_or_default(),
             probability: times.len() as f64 / total as f64,
+            deviation_s: 0.0,
             late_scale_s: 0.0,
             early_scale_s: 0.0,
             dispersion: 1.0,

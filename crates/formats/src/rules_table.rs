@@ -24,7 +24,7 @@ const WHOLE: [&str; 6] =
     ["count", "cluster", "position", "uncounted", "sequence", "cluster_instances"];
 
 /// Column names in order; text, whole numbers and the rest floats.
-const COLUMNS: [&str; 22] = [
+const COLUMNS: [&str; 23] = [
     "model",
     "group",
     "device",
@@ -44,6 +44,7 @@ const COLUMNS: [&str; 22] = [
     "sequence",
     "dispersion",
     "cluster_instances",
+    "deviation_s",
     "early_scale_s",
     "late_scale_s",
     "cluster_dispersion",
@@ -159,6 +160,7 @@ fn push_row(
         Cell::Whole(Some(rule.sequence as i64)),
         Cell::Real(Some(rule.dispersion)),
         Cell::Whole(cluster.map(|(_, c)| c.instances as i64)),
+        of(|c| c.deviation_s),
         of(|c| c.early_scale_s),
         of(|c| c.late_scale_s),
         of(|c| c.dispersion),
@@ -245,6 +247,7 @@ impl Table<'_> {
                 minimum_s: self.real("minimum_s", row)?,
                 maximum_s: self.real("maximum_s", row)?,
                 probability: self.real("time_probability", row)?,
+                deviation_s: self.real("deviation_s", row)?,
                 late_scale_s: self.real("late_scale_s", row)?,
                 early_scale_s: self.real("early_scale_s", row)?,
                 dispersion: self.real("cluster_dispersion", row)?,

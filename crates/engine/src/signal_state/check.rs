@@ -199,11 +199,9 @@ fn mean_changed(
     if change <= relevant || count < OBSERVATIONS_AT_LEAST || cluster.instances < BODY_INSTANCES {
         return false;
     }
-    // The scales are mean absolute deviations; √(π/2) of one is the deviation of a normal law.
-    let deviation = 1.2533 * 0.5 * (cluster.late_scale_s + cluster.early_scale_s);
     let dispersion = if single { cluster.dispersion } else { 1.0 };
     let n0 = cluster.instances as f64;
-    let error = deviation.max(resolution)
+    let error = cluster.deviation_s.max(resolution)
         * (dispersion * (1.0 / f64::from(count) + 1.0 / n0)).sqrt();
     two_sided(change / error, n0 - 1.0) <= model.budget.per_average
 }

@@ -399,33 +399,33 @@ fn branch_dispersion(found: &Transitions) -> Vec<f64> {
 }
 
 /// Smallest time difference that means something: the scan interval where known, else the
-/// greatest common divisor of all times (the logger's resolution), within 1 ms to 1 s.
+/// resolution the logger writes times with.
 fn resolution(logs: &[&ChangeLog], parameters: &Parameters) -> Nanoseconds {
     let given = parameters.scan_interval_s.map(|s| (s * SECOND as f64) as Nanoseconds);
     let scan = given.or_else(|| logs.iter().filter_map(|log| log.scan_interval).max());
-    scan.unwrap_or_else(|| logs.iter().copied().fold(0, common_divisor)).clamp(SECOND / 1000, SECOND)
+    scan.unwrap_or_else(|| logger_resolution(logs)).clamp(FINEST, SECOND)
+}
+
+/// Finer times are taken as noise.
+const FINEST: Nanoseconds = SECOND / 1000;
+/// Share of times that may lie off the logger's grid, when a clock was set or a source is finer.
+const OFF_GRID: f64 = 0.05;
+
+/// The coarsest of the usual grids (1 s, 500 ms, 200 ms, … 1 ms) nearly all times lie on.
+fn logger_resolution(logs: &[&ChangeLog]) -> Nanoseconds {
+    let grids = [1000, 500, 200, 100, 50, 20, 10, 5, 2].map(|ms| ms * FINEST);
+    let rows: usize = logs.iter().map(|log| log.len()).sum();
+    let off = |grid: Nanoseconds| {
+        let times = logs.iter().flat_map(|log| &log.time);
+        times.filter(|&&time| time % grid != 0).count() as f64
+    };
+    grids.into_iter().find(|&grid| off(grid) <= OFF_GRID * rows as f64).unwrap_or(FINEST)
 }
 
 /// Events closer than this have no order; zero where only equal times are of one scan.
 fn scan_window(logs: &[&ChangeLog], parameters: &Parameters) -> Nanoseconds {
     let given = parameters.scan_interval_s.map(|s| (s * SECOND as f64) as Nanoseconds);
     given.or_else(|| logs.iter().filter_map(|log| log.scan_interval).max()).unwrap_or(0)
-}
-
-fn common_divisor(so_far: Nanoseconds, log: &ChangeLog) -> Nanoseconds {
-    let start = log.time.first().copied().unwrap_or_default();
-    let mut divisor = so_far;
-    for &time in &log.time {
-        let (mut a, mut b) = (time - start, divisor);
-        while b != 0 {
-            (a, b) = (b, a % b);
-        }
-        divisor = a;
-        if divisor == 1 {
-            break;
-        }
-    }
-    divisor
 }
 
 /// Longest time between two events of each group.

@@ -42,6 +42,7 @@ pub fn cluster(sorted: &[f64], resolution_s: f64) -> Vec<TimeCluster> {
         .map(|run| {
             let mut cluster = TimeCluster::of(run, sorted.len());
             (cluster.early_scale_s, cluster.late_scale_s) = half_scales(run);
+            cluster.deviation_s = deviation(run, cluster.average_s);
             cluster
         })
         .collect()
@@ -222,6 +223,10 @@ fn separated(left: &[f64], right: &[f64], resolution_s: f64) -> bool {
     let n = (left.len() + right.len()) as f64;
     let by_chance = n * (1.0 - gap / (last - first)).powf(n - 1.0);
     gap > SEPARATION * spread.max(resolution_s) && by_chance <= CHANCE_GAP
+}
+
+fn deviation(run: &[f64], mean: f64) -> f64 {
+    (run.iter().map(|time| (time - mean).powi(2)).sum::<f64>() / run.len() as f64).sqrt()
 }
 
 /// Mean distance of the lower and of the upper half from the median.
