@@ -85,7 +85,7 @@ pub enum FormatError {
         columns: Vec<String>,
     },
     /// The columns do not say which is which.
-    #[error("{}: row {row}: no {role} found among the columns {}; {mend}", OneLine(path.display()), List(columns))]
+    #[error("{}: row {row}: no {role} found among the columns {}; {}", OneLine(path.display()), List(columns), OneLine(mend))]
     Columns {
         /// The file.
         path: PathBuf,
@@ -248,7 +248,7 @@ pub enum RowFault {
         expected: &'static str,
     },
     /// Anything a decoder reports about one place.
-    #[error("{found}, expected {expected}")]
+    #[error("{}, expected {expected}", OneLine(found))]
     Syntax {
         /// What was found.
         found: String,

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use crate::error::FormatError;
+use crate::error::{FormatError, shortened};
 use crate::options::ReadOptions;
 use crate::report::ReadReport;
 use crate::time::{self, TimeFormat, TimeParser};
@@ -407,8 +407,12 @@ impl Search<'_> {
         }
         // More text than numbers is a table of events whose signal columns nobody named.
         if texts.len() >= columns.len() {
-            let names: Vec<_> =
-                texts.iter().map(|&text| self.columns[text].name.as_str()).collect();
+            const SHOWN: usize = 4;
+            let names: Vec<_> = texts
+                .iter()
+                .take(SHOWN)
+                .map(|&text| shortened(self.columns[text].name.as_bytes()))
+                .collect();
             return Err(self.missing(
                 "signal column and value column",
                 format!(

@@ -10,8 +10,13 @@ use scratch::Scratch;
 /// Logs with odd names, samples, ties and pulses, as they come from a tap.
 fn logs(names: &'static str) -> impl Strategy<Value = ChangeLog> {
     let value = prop_oneof![4 => 0..2_i64, 1 => any::<i64>()];
-    let step = prop_oneof![2 => Just(0_i64), 4 => 0..5_000_000_000_i64, 1 => 0..100_000_000_000_000_i64];
-    let start = prop_oneof![Just(0_i64), Just(1_515_157_696_042_000_000), -9_000_000_000_000_000_000..9_000_000_000_000_000_000_i64];
+    let step =
+        prop_oneof![2 => Just(0_i64), 4 => 0..5_000_000_000_i64, 1 => 0..100_000_000_000_000_i64];
+    let start = prop_oneof![
+        Just(0_i64),
+        Just(1_515_157_696_042_000_000),
+        -9_000_000_000_000_000_000..9_000_000_000_000_000_000_i64
+    ];
     let rows = prop::collection::vec((step, 0..6_usize, value), 0..60);
     (prop::collection::vec(names, 6), start, rows).prop_map(|(mut names, start, rows)| {
         names.sort();
@@ -124,7 +129,12 @@ fn csv_is_written_as_the_contract_says() {
     let mut builder = ChangeLogBuilder::default();
     let name = builder.intern("Group2-Device1-Signal2");
     let odd = builder.intern("a,\"b\"");
-    for (time, signal, value) in [(0, name, 1), (1_500_000_000, name, 0), (1_000_001_000_000_001, odd, -5), (1_515_157_696_042_100_000, odd, 7)] {
+    for (time, signal, value) in [
+        (0, name, 1),
+        (1_500_000_000, name, 0),
+        (1_000_001_000_000_001, odd, -5),
+        (1_515_157_696_042_100_000, odd, 7),
+    ] {
         builder.push(time, signal, value);
     }
     let scratch = Scratch::new();

@@ -56,9 +56,9 @@ pub fn rows(log: &ChangeLog) -> Vec<(i64, &str, i64)> {
 
 /// The folder of real logs, where it is there.
 pub fn real_file(name: &str) -> Option<PathBuf> {
-    let folder = std::env::var_os("RUNGLIGHT_DATA").map(PathBuf::from).unwrap_or_else(|| {
-        Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data")
-    });
+    let folder = std::env::var_os("RUNGLIGHT_DATA")
+        .map(PathBuf::from)
+        .unwrap_or_else(|| Path::new(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data"));
     let path = folder.join(name);
     path.exists().then_some(path)
 }
