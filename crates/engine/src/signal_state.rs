@@ -7,6 +7,7 @@ pub mod check;
 pub mod confirm;
 pub mod dispersion;
 pub mod dot;
+pub mod enabling;
 pub mod events;
 pub mod evidence;
 pub mod incident;

@@ -14,17 +14,19 @@ use arrow_schema::{DataType, Field, Schema, SchemaRef};
 
 use runglight_engine::plant::Plant;
 use runglight_engine::signal_state::chains::ChainKind;
+use runglight_engine::signal_state::enabling::Trigger;
 use runglight_engine::signal_state::model::NominalModel;
 use runglight_engine::signal_state::rules::Rule;
-use runglight_engine::signal_state::states::{StateNames, States};
+use runglight_engine::signal_state::states::{NO_STATE, StateNames, States};
 use runglight_engine::timing::TimeCluster;
 
-const TEXT: [&str; 5] = ["model", "group", "device", "current", "next"];
+const TEXT: [&str; 7] =
+    ["model", "group", "device", "current", "next", "trigger", "trigger_times"];
 const WHOLE: [&str; 6] =
     ["count", "cluster", "position", "uncounted", "sequence", "cluster_instances"];
 
 /// Column names in order; text, whole numbers and the rest floats.
-const COLUMNS: [&str; 23] = [
+const COLUMNS: [&str; 29] = [
     "model",
     "group",
     "device",
@@ -40,6 +42,12 @@ const COLUMNS: [&str; 23] = [
     "position",
     "early_limit_s",
     "late_limit_s",
+    "trigger",
+    "trigger_average_s",
+    "trigger_minimum_s",
+    "trigger_maximum_s",
+    "trigger_late_limit_s",
+    "trigger_times",
     "uncounted",
     "sequence",
     "dispersion",
@@ -49,6 +57,9 @@ const COLUMNS: [&str; 23] = [
     "late_scale_s",
     "cluster_dispersion",
 ];
+
+/// Between the two states of a join: the delay runs from the later of them.
+const BOTH: &str = " & ";
 
 /// Schema of the table.
 pub fn schema() -> SchemaRef {
@@ -113,12 +124,11 @@ pub fn to_batch(model: &NominalModel) -> RecordBatch {
     let mut columns: Vec<Column> =
         schema.fields().iter().map(|field| Column::of(field.data_type())).collect();
     for rule in model.rules_in_order() {
-        let limits = model.limits_of(rule);
         if rule.clusters.is_empty() {
-            push_row(&mut columns, model, rule, None, None);
+            push_row(&mut columns, model, rule, None);
         }
-        for (index, cluster) in rule.clusters.iter().enumerate() {
-            push_row(&mut columns, model, rule, Some((index, cluster)), limits.get(index).copied());
+        for cluster in rule.clusters.iter().enumerate() {
+            push_row(&mut columns, model, rule, Some(cluster));
         }
     }
     let columns = columns.into_iter().map(Column::finish).collect();
@@ -131,8 +141,19 @@ fn push_row(
     model: &NominalModel,
     rule: &Rule,
     cluster: Option<(usize, &TimeCluster)>,
-    limits: Option<(f64, f64)>,
 ) {
+    // Where another event enables the transition, the limits are on the delay from that.
+    let all_limits = model.limits_of(rule);
+    let own = cluster.filter(|_| rule.trigger.is_none());
+    let limits = own.and_then(|(index, _)| all_limits.get(index));
+    let trigger = rule.trigger.as_ref();
+    let trigger_name = trigger.map(|t| {
+        t.states().map(|state| model.state_name(state)).collect::<Vec<_>>().join(BOTH)
+    });
+    let trigger_times = trigger.and_then(|t| serde_json::to_string(&t.clusters).ok());
+    let slowest = trigger.and_then(|t| t.clusters.last());
+    let trigger_limit =
+        trigger.and_then(|_| all_limits.last()).map(|limit| limit.1).filter(|l| l.is_finite());
     let kind = match model.kind(rule.chain) {
         ChainKind::Device => "device",
         ChainKind::Group => "group",
@@ -154,8 +175,14 @@ fn push_row(
         of(|c| c.maximum_s),
         of(|c| c.probability),
         Cell::Whole(Some(i64::from(rule.position))),
-        Cell::Real(limits.and_then(|(early, _)| finite(early))),
-        Cell::Real(limits.and_then(|(_, late)| finite(late))),
+        Cell::Real(limits.and_then(|limit| finite(limit.0))),
+        Cell::Real(limits.and_then(|limit| finite(limit.1))),
+        Cell::Text(trigger_name.as_deref()),
+        Cell::Real(slowest.map(|c| c.average_s)),
+        Cell::Real(slowest.map(|c| c.minimum_s)),
+        Cell::Real(slowest.map(|c| c.maximum_s)),
+        Cell::Real(trigger_limit),
+        Cell::Text(trigger_times.as_deref()),
         Cell::Whole(Some(rule.uncounted as i64)),
         Cell::Whole(Some(rule.sequence as i64)),
         Cell::Real(Some(rule.dispersion)),
@@ -239,6 +266,18 @@ impl Table<'_> {
             Some(states.intern(signal, value))
         };
         let (current, next) = (state("current")?, state("next")?);
+        let trigger = match self.text("trigger", row) {
+            None => None,
+            Some(name) => {
+                let mut enabling = [NO_STATE; 2];
+                for (place, name) in enabling.iter_mut().zip(name.split(BOTH)) {
+                    let (signal, value) = names.parse(name)?;
+                    *place = states.intern(signal, value);
+                }
+                let clusters = serde_json::from_str(self.text("trigger_times", row)?).ok()?;
+                Some(Trigger { states: enabling, clusters })
+            }
+        };
         let clusters = match self.whole("cluster", row) {
             None => Vec::new(),
             Some(_) => vec![TimeCluster {
@@ -264,6 +303,7 @@ impl Table<'_> {
             position: u32::try_from(self.whole("position", row)?).ok()?,
             dispersion: self.real("dispersion", row)?,
             clusters,
+            trigger,
         })
     }
 }

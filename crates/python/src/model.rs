@@ -68,7 +68,8 @@ impl PyNominalModel {
             let limits = model.limits_of(rule);
             let row = |cluster: Option<usize>| {
                 let of = cluster.map(|index| &rule.clusters[index]);
-                let limit = cluster.and_then(|index| limits.get(index));
+                let own = cluster.filter(|_| rule.trigger.is_none());
+                let limit = own.and_then(|index| limits.get(index));
                 json!({
                     "model": if model.device_name(chain).is_some() { "device" } else { "group" },
                     "group": model.group_name(chain),
@@ -83,6 +84,10 @@ impl PyNominalModel {
                     "maximum_s": of.map(|c| c.maximum_s),
                     "time_probability": of.map(|c| c.probability),
                     "position": rule.position,
+                    "trigger": rule.trigger.as_ref().map(|trigger| {
+                        trigger.states().map(|state| model.state_name(state)).collect::<Vec<_>>()
+                    }),
+                    "trigger_times": rule.trigger.as_ref().map(|trigger| &trigger.clusters),
                     "early_limit_s": limit.map(|l| l.0),
                     "late_limit_s": limit.map(|l| l.1).filter(|l| l.is_finite()),
                     "start_up": rule.evidence() == 0,

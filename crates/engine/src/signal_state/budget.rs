@@ -66,8 +66,8 @@ impl Comparisons {
                 cycles[group] += rule.count;
             }
             let branches = rule.evidence() > 0 && rule.probability < 0.95;
-            shares[group] += usize::from(branches) + usize::from(rule.clusters.len() > 1);
-            averages[group] += rule.clusters.len();
+            shares[group] += usize::from(branches) + usize::from(rule.judged().len() > 1);
+            averages[group] += rule.judged().len();
         }
         let sum = |compared: Vec<usize>| {
             cycles.iter().zip(compared).map(|(&cycles, n)| cycles as f64 * n as f64).sum()

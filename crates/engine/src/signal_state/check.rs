@@ -108,7 +108,7 @@ fn branch(model: &NominalModel, rule: usize, window: &Window<'_>) -> Option<Depa
 
 /// The several times of one transition.
 fn times(model: &NominalModel, rule: usize, window: &Window<'_>) -> Option<Departure> {
-    let clusters = &model.rules[rule].clusters;
+    let clusters = model.rules[rule].judged();
     let counts = &window.cluster_counts[window.clusters(rule)];
     let total: u32 = counts.iter().sum();
     if clusters.len() < 2 || total == 0 {
@@ -138,8 +138,8 @@ fn average(model: &NominalModel, rule: usize, window: &Window<'_>) -> Option<Dep
     let range = window.clusters(rule);
     let counts = &window.cluster_counts[range.clone()];
     let sums = &window.cluster_sums_s[range];
-    let single = model.rules[rule].clusters.len() == 1;
-    model.rules[rule].clusters.iter().zip(counts.iter().zip(sums)).find_map(
+    let single = model.rules[rule].judged().len() == 1;
+    model.rules[rule].judged().iter().zip(counts.iter().zip(sums)).find_map(
         |(cluster, (&count, &sum))| {
             if count == 0 {
                 return None;

@@ -104,6 +104,7 @@ fn add_path(
             position,
             dispersion: 1.0,
             clusters: Vec::new(),
+            trigger: None,
         });
         sequence += 1;
         position += 1;

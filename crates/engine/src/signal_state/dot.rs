@@ -4,7 +4,8 @@
 use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
-use super::chains::ChainIndex;
+use super::chains::{ChainIndex, ChainKind};
+use super::enabling::Trigger;
 use super::model::NominalModel;
 use super::rules::Rule;
 use super::states::StateId;
@@ -13,7 +14,7 @@ const SEVERAL_TIMES: &str = "#1a7f37";
 const START_UP: &str = "#b42318";
 
 impl NominalModel {
-    /// The graph of one chain.
+    /// The graph of one chain. Dashed arrows lead from the events that enable a transition.
     pub fn dot(&self, chain: ChainIndex) -> String {
         let kind = self.kind(chain);
         let title = match self.device_name(chain) {
@@ -32,7 +33,7 @@ impl NominalModel {
                 let _ = writeln!(text, "  {} [label={}];", node(state), quoted(&label));
             }
         }
-        for rule in rules {
+        for rule in &rules {
             let colour = if rule.clusters.len() > 1 {
                 format!(", color=\"{SEVERAL_TIMES}\", fontcolor=\"{SEVERAL_TIMES}\"")
             } else if rule.evidence() == 0 {
@@ -47,6 +48,22 @@ impl NominalModel {
                 node(rule.current),
                 node(rule.next)
             );
+        }
+        for rule in &rules {
+            for trigger in rule.trigger.iter().flat_map(Trigger::states) {
+                if named.insert(trigger) {
+                    let label = quoted(&self.short_state_name(trigger, ChainKind::Group));
+                    let _ =
+                        writeln!(text, "  {} [label={label}, shape=box, style=dashed];", node(trigger));
+                }
+                let delay = rule.judged().iter().map(|c| c.average_s).fold(0.0, f64::max);
+                let _ = writeln!(
+                    text,
+                    "  {} -> {} [style=dashed, arrowhead=open, constraint=false, label=\"{delay:.2}\"];",
+                    node(trigger),
+                    node(rule.next)
+                );
+            }
         }
         text.push_str("}\n");
         text

@@ -76,7 +76,7 @@ impl Evidence {
     /// that is usual for it. Longer than anything seen is rarer still, falling with the ratio.
     pub fn odd_time(&self, rule: &Rule, time_s: f64) -> f64 {
         let tally = Tally { once: rare_instances(rule) as f64, draws: rule.evidence() as f64 };
-        let longest = rule.clusters.iter().map(|c| c.maximum_s).fold(0.0, f64::max);
+        let longest = rule.judged().iter().map(|c| c.maximum_s).fold(0.0, f64::max);
         let beyond = if time_s > longest && time_s > 0.0 { longest.max(1e-3) / time_s } else { 1.0 };
         tally.unseen(self.time_by_chain[rule.chain]) * beyond.min(1.0)
     }
@@ -87,7 +87,7 @@ fn rare_instances(rule: &Rule) -> u64 {
     if rule.evidence() < BODY_INSTANCES {
         return rule.evidence().min(1);
     }
-    let rare = rule.clusters.iter().filter(|c| c.instances < BODY_INSTANCES);
+    let rare = rule.judged().iter().filter(|c| c.instances < BODY_INSTANCES);
     rare.map(|c| c.instances).sum::<u64>().saturating_sub(rule.uncounted)
 }
 

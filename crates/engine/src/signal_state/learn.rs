@@ -13,6 +13,7 @@ use crate::timing::{self, TimeCluster, optimal};
 
 use super::chains::{ChainIndex, ChainKind, Chains};
 use super::dispersion;
+use super::enabling::{Happening, Search};
 use super::events::{Meaning, Row, Values, is_image};
 use super::model::{Learned, NominalModel};
 use super::order::ScanOrder;
@@ -83,7 +84,10 @@ pub fn learn<L: Borrow<ChangeLog>>(
     let chains = Chains::of(&plant);
     let resolution = resolution(logs, parameters);
     let transitions = walk(&events, &chains, states.len());
-    let rules = rules(transitions, &chains, parameters, resolution);
+    let happenings = happenings(&events, &chains);
+    let search = (parameters.timing == Timing::Adaptive)
+        .then(|| Search::new(&happenings, &plant, &states, resolution));
+    let rules = rules(&transitions, &chains, parameters, resolution, search);
     let learned = Learned {
         events: events.len() as u64,
         duration: logs.iter().copied().filter_map(span).sum(),
@@ -216,11 +220,33 @@ fn choose_starting_signals(
     Ok(())
 }
 
+/// Events as the search for enabling events sees them.
+fn happenings(events: &[Event], chains: &Chains) -> Vec<Happening> {
+    let mut run = 0;
+    events
+        .iter()
+        .map(|event| {
+            run += u32::from(event.after_break);
+            let group = chains.group_of(chains.device_chain(event.signal)) as u32;
+            Happening { time: event.time, state: event.state, group, run }
+        })
+        .collect()
+}
+
 /// Every transition of every chain, and the instances of each in the order they happened.
 struct Transitions {
     rules: Vec<Found>,
-    /// `(rule, nanoseconds)` in the order of the log.
-    instances: Vec<(u32, Nanoseconds)>,
+    /// In the order of the log.
+    instances: Vec<Instance>,
+}
+
+/// One time a transition happened.
+#[derive(Clone, Copy)]
+struct Instance {
+    rule: u32,
+    /// The event it ended with.
+    event: u32,
+    took: Nanoseconds,
 }
 
 struct Found {
@@ -245,7 +271,7 @@ fn walk(events: &[Event], chains: &Chains, states: usize) -> Transitions {
     let mut by_row: Vec<Vec<(StateId, u32)>> = vec![Vec::new(); 2 * states];
     let mut found =
         Transitions { rules: Vec::new(), instances: Vec::with_capacity(events.len() * 5 / 4) };
-    for event in events {
+    for (index, event) in (0..).zip(events) {
         if event.after_break {
             here.fill(nowhere);
         }
@@ -282,55 +308,80 @@ fn walk(events: &[Event], chains: &Chains, states: usize) -> Transitions {
             let entry = &mut found.rules[rule as usize];
             entry.count += 1;
             entry.uncounted += u64::from(before.first);
-            found.instances.push((rule, event.time - before.time));
+            let took = event.time - before.time;
+            found.instances.push(Instance { rule, event: index, took });
         }
     }
     found
 }
 
-/// Clusters times and computes probabilities.
+/// The instances of every rule side by side, each in the order they happened.
+struct ByRule {
+    end: Vec<usize>,
+    seconds: Vec<f64>,
+    events: Vec<u32>,
+}
+
+impl ByRule {
+    fn of(found: &Transitions) -> Self {
+        let mut end = vec![0usize; found.rules.len() + 1];
+        for instance in &found.instances {
+            end[instance.rule as usize + 1] += 1;
+        }
+        for rule in 1..end.len() {
+            end[rule] += end[rule - 1];
+        }
+        let mut place = end.clone();
+        let mut seconds = vec![0.0f64; found.instances.len()];
+        let mut events = vec![0u32; found.instances.len()];
+        for instance in &found.instances {
+            let at = &mut place[instance.rule as usize];
+            seconds[*at] = instance.took as f64 / SECOND as f64;
+            events[*at] = instance.event;
+            *at += 1;
+        }
+        Self { end, seconds, events }
+    }
+
+    fn range(&self, rule: usize) -> std::ops::Range<usize> {
+        self.end[rule]..self.end[rule + 1]
+    }
+}
+
+/// Clusters times, looks for enabling events and computes probabilities.
 fn rules(
-    found: Transitions,
+    found: &Transitions,
     chains: &Chains,
     parameters: &Parameters,
     resolution: Nanoseconds,
+    mut search: Option<Search<'_>>,
 ) -> Vec<Rule> {
-    let branch_dispersion = branch_dispersion(&found);
-    let mut end = vec![0usize; found.rules.len() + 1];
-    for &(rule, _) in &found.instances {
-        end[rule as usize + 1] += 1;
-    }
-    for rule in 1..end.len() {
-        end[rule] += end[rule - 1];
-    }
-    let mut place = end.clone();
-    let mut times = vec![0.0f64; found.instances.len()];
-    for &(rule, nanoseconds) in &found.instances {
-        times[place[rule as usize]] = nanoseconds as f64 / SECOND as f64;
-        place[rule as usize] += 1;
-    }
+    let branch_dispersion = branch_dispersion(found);
+    let by_rule = ByRule::of(found);
     let mut position = vec![0u32; chains.len()];
-    let mut rules: Vec<Rule> = found
-        .rules
-        .iter()
-        .enumerate()
-        .map(|(index, transition)| {
-            let place = position[transition.chain];
-            position[transition.chain] += 1;
-            Rule {
-                chain: transition.chain,
-                current: transition.current,
-                next: transition.next,
-                count: transition.count,
-                uncounted: transition.uncounted,
-                probability: 0.0,
-                sequence: index as u64,
-                position: place,
-                dispersion: branch_dispersion[index],
-                clusters: cluster(&times[end[index]..end[index + 1]], parameters, resolution),
-            }
-        })
-        .collect();
+    let mut rules = Vec::with_capacity(found.rules.len());
+    for (index, transition) in found.rules.iter().enumerate() {
+        let range = by_rule.range(index);
+        let times = &by_rule.seconds[range.clone()];
+        let is_device = chains.kind(transition.chain) == ChainKind::Device;
+        let trigger = search.as_mut().filter(|_| is_device).and_then(|search| {
+            search.trigger(&by_rule.events[range], times, (transition.current, transition.next))
+        });
+        rules.push(Rule {
+            chain: transition.chain,
+            current: transition.current,
+            next: transition.next,
+            count: transition.count,
+            uncounted: transition.uncounted,
+            probability: 0.0,
+            sequence: index as u64,
+            position: position[transition.chain],
+            dispersion: branch_dispersion[index],
+            clusters: cluster(times, parameters, resolution),
+            trigger,
+        });
+        position[transition.chain] += 1;
+    }
     set_probabilities(&mut rules, chains);
     rules
 }
@@ -381,9 +432,9 @@ fn cluster(times: &[f64], parameters: &Parameters, resolution: Nanoseconds) -> V
 /// Dispersion of every branch: of "this transition was taken" among departures from its state.
 fn branch_dispersion(found: &Transitions) -> Vec<f64> {
     let mut departures = std::collections::HashMap::<(ChainIndex, StateId), Vec<u32>>::new();
-    for &(rule, _) in &found.instances {
-        let transition = &found.rules[rule as usize];
-        departures.entry((transition.chain, transition.current)).or_default().push(rule);
+    for instance in &found.instances {
+        let transition = &found.rules[instance.rule as usize];
+        departures.entry((transition.chain, transition.current)).or_default().push(instance.rule);
     }
     found
         .rules

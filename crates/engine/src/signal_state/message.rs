@@ -93,7 +93,12 @@ fn state_text_of(model: &NominalModel, state: StateId, kind: ChainKind) -> Strin
 }
 
 /// A transition that took too long or too short.
-pub fn time(model: &NominalModel, rule: usize, finding: &Finding) -> String {
+pub fn time(
+    model: &NominalModel,
+    rule: usize,
+    from_trigger: bool,
+    finding: &Finding,
+) -> String {
     let rule = &model.rules[rule];
     let kind = model.kind(rule.chain);
     let (observed, limit) =
@@ -102,11 +107,18 @@ pub fn time(model: &NominalModel, rule: usize, finding: &Finding) -> String {
         Kind::Early => ("came too soon", "was not expected before"),
         _ => ("came late", "was due within"),
     };
+    let after = rule.trigger.as_ref().filter(|_| from_trigger).map_or_else(
+        || state_text(model, rule.current, kind),
+        |trigger| {
+            let states: Vec<String> =
+                trigger.states().map(|s| state_text(model, s, ChainKind::Group)).collect();
+            format!("{}, which it waits for", states.join(" and "))
+        },
+    );
     format!(
-        "{}: {} {verb}, {observed:.2} s after {}; it {bound} {limit:.2} s{}",
+        "{}: {} {verb}, {observed:.2} s after {after}; it {bound} {limit:.2} s{}",
         place_text(finding),
         state_text(model, rule.next, kind),
-        state_text(model, rule.current, kind),
         first_suspect(finding)
     )
 }
@@ -283,7 +295,8 @@ pub fn transition_suspects(
 pub fn time_suspects(model: &NominalModel, rule: usize) -> Vec<Suspect> {
     let rule: &Rule = &model.rules[rule];
     let came = model.states.signal_value(rule.next).0;
-    let before = model.states.signal_value(rule.current).0;
+    let awaited = rule.trigger.as_ref().map_or(rule.current, |trigger| trigger.states[0]);
+    let before = model.states.signal_value(awaited).0;
     let actuator = model.plant.signals[before as usize].class == SignalClass::Output;
     let mut suspects = vec![suspect(model, came, UNEXPECTED)];
     if before != came {

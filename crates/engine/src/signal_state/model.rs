@@ -1,5 +1,7 @@
 //! The nominal model: what was learned, indexed for watching.
 
+use std::collections::HashMap;
+
 use serde::{Deserialize, Serialize};
 
 use crate::log::{Nanoseconds, SECOND};
@@ -49,6 +51,9 @@ pub struct NominalModel {
     pub(super) budget: Budget,
     /// Accepted times, per rule and cluster; empty where no time is remarkable.
     pub(super) accepted: Vec<Vec<Accepted>>,
+    /// For rules with an enabling event: accepted times since the device's own last event, for
+    /// when the transition happens without a fresh one.
+    pub(super) accepted_without: HashMap<usize, Vec<Accepted>>,
 }
 
 /// "Learned from the longest nominal pause": this many times it.
@@ -71,13 +76,35 @@ impl NominalModel {
         let accepted = rules
             .iter()
             .map(|rule| match parameters.timing {
-                Timing::Plat => limits::plat(&rule.clusters),
+                Timing::Plat => limits::plat(&rule.clusters, parameters.allowance_s),
+                // A group's chain repeats what its devices' chains say more sharply.
+                Timing::Adaptive if chains.kind(rule.chain) == ChainKind::Group => Vec::new(),
                 Timing::Adaptive => {
-                    limits::adaptive(&rule.clusters, budget.per_time, resolution_s)
+                    limits::adaptive(rule.judged(), budget.per_time, resolution_s)
                 }
             })
             .collect();
-        Self { plant, states, rules, learned, parameters, table, chains, evidence, budget, accepted }
+        let accepted_without = rules
+            .iter()
+            .enumerate()
+            .filter(|(_, rule)| rule.trigger.is_some())
+            .map(|(index, rule)| {
+                (index, limits::adaptive(&rule.clusters, budget.per_time, resolution_s))
+            })
+            .collect();
+        Self {
+            plant,
+            states,
+            rules,
+            learned,
+            parameters,
+            table,
+            chains,
+            evidence,
+            budget,
+            accepted,
+            accepted_without,
+        }
     }
 
     /// Device or group chain of a rule.
@@ -172,7 +199,7 @@ impl NominalModel {
             hash.update(&rule.current.to_le_bytes());
             hash.update(&rule.next.to_le_bytes());
             hash.update(&rule.count.to_le_bytes());
-            hash.update(&(rule.clusters.len() as u64).to_le_bytes());
+            hash.update(&(rule.judged().len() as u64).to_le_bytes());
         }
         hash.digest()
     }

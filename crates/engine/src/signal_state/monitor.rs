@@ -12,6 +12,7 @@ use thiserror::Error;
 use crate::finding::{Expected, Finding, Kind, Model, Severity, State, stable_id};
 use crate::log::{Nanoseconds, SECOND, SignalIndex};
 use crate::timing;
+use crate::timing::limits::Accepted;
 
 use super::chains::{ChainIndex, ChainKind};
 use super::events::{Meaning, Row, Values, is_image};
@@ -34,6 +35,8 @@ const REORDER_AT_MOST: usize = 6;
 const KNOWN_TO_RETURN: u8 = 2;
 /// Distinct alarm paths offered for confirmation.
 const OFFERS_AT_MOST: usize = 10_000;
+/// A state not entered since the start or a gap.
+const NEVER: Nanoseconds = Nanoseconds::MIN;
 /// Longest alarm path kept, in states.
 const PATH_AT_MOST: usize = 64;
 
@@ -75,6 +78,8 @@ struct Watch {
     /// Per chain: present state and since when.
     state: Vec<StateId>,
     since: Vec<Nanoseconds>,
+    /// Per state: when it was last entered, for transitions it enables.
+    entered: Vec<Nanoseconds>,
     off_path: Vec<bool>,
     /// Per rule since the last check.
     counts: Vec<u32>,
@@ -112,12 +117,42 @@ struct Saved {
 
 const STATE_VERSION: u32 = 1;
 
+/// A state is entered.
+#[derive(Debug, Clone, Copy)]
+struct Entry {
+    state: StateId,
+    time: Nanoseconds,
+    /// When the same state was entered before.
+    before: Nanoseconds,
+}
+
+/// A transition and how long it took.
+#[derive(Debug, Clone, Copy)]
+struct Timed {
+    /// Since when it was due.
+    since: Nanoseconds,
+    seconds: f64,
+    /// Measured as the rule's times were learned.
+    as_learned: bool,
+}
+
+impl Timed {
+    #[inline]
+    fn new(since: Nanoseconds, time: Nanoseconds, as_learned: bool) -> Self {
+        // In a scan whose order was mended, time may seem to run backwards.
+        let seconds = time.saturating_sub(since).max(0) as f64 / SECOND as f64;
+        Self { since, seconds, as_learned }
+    }
+}
+
 /// Watches one plant.
 #[derive(Debug, Clone)]
 pub struct Monitor {
     model: Arc<NominalModel>,
     order: Option<ScanOrder>,
     cluster_start: Vec<u32>,
+    /// Per rule: the states that enable it, from the later of which its time runs.
+    triggers: Vec<[StateId; 2]>,
     stall_after: Vec<Nanoseconds>,
     fresh_for: Nanoseconds,
     watch: Watch,
@@ -135,13 +170,14 @@ impl Monitor {
         let mut clusters = 0u32;
         for rule in &model.rules {
             cluster_start.push(clusters);
-            clusters += rule.clusters.len() as u32;
+            clusters += rule.judged().len() as u32;
         }
         cluster_start.push(clusters);
         let watch = Watch {
             values: Values::new(signals),
             state: vec![NO_STATE; chains],
             since: vec![0; chains],
+            entered: vec![NEVER; model.states.len()],
             off_path: vec![false; chains],
             counts: vec![0; model.rules.len()],
             cluster_counts: vec![0; clusters as usize],
@@ -168,6 +204,11 @@ impl Monitor {
             stall_after: (0..groups).map(|group| model.stall_after(group)).collect(),
             fresh_for: (model.parameters.return_within_s * SECOND as f64) as Nanoseconds,
             cluster_start,
+            triggers: model
+                .rules
+                .iter()
+                .map(|rule| rule.trigger.as_ref().map_or([NO_STATE; 2], |t| t.states))
+                .collect(),
             watch,
             findings: Vec::new(),
             scratch: Vec::new(),
@@ -236,6 +277,7 @@ impl Monitor {
         let watch = &mut self.watch;
         watch.now = watch.now.max(end);
         watch.state.fill(NO_STATE);
+        watch.entered.fill(NEVER);
         watch.off_path.fill(false);
         watch.open.clear();
         watch.group_last.fill(Nanoseconds::MAX);
@@ -383,12 +425,11 @@ impl Monitor {
     }
 
     fn step_event(&mut self, row: Row) {
-        let state = self.intern(row.signal, row.value);
+        let entry = self.enter(row);
         let group = self.model.chains.group_chain(row.signal);
-        self.note_group(row, state);
-        self.step(self.model.chains.device_chain(row.signal), ChainKind::Device, state, row.time);
+        self.step(self.model.chains.device_chain(row.signal), ChainKind::Device, entry);
         if let Some(chain) = group {
-            self.step(chain, ChainKind::Group, state, row.time);
+            self.step(chain, ChainKind::Group, entry);
         }
     }
 
@@ -396,9 +437,8 @@ impl Monitor {
     fn step_scan(&mut self, rows: &[Row]) {
         let mut by_chain = std::mem::take(&mut self.scratch);
         by_chain.clear();
+        let entries: Vec<Entry> = rows.iter().map(|row| self.enter(*row)).collect();
         for (index, row) in (0..).zip(rows) {
-            let state = self.intern(row.signal, row.value);
-            self.note_group(*row, state);
             by_chain.push((self.model.chains.device_chain(row.signal), index));
             by_chain.extend(self.model.chains.group_chain(row.signal).map(|chain| (chain, index)));
         }
@@ -406,25 +446,24 @@ impl Monitor {
         for run in by_chain.chunk_by(|a, b| a.0 == b.0) {
             let chain = run[0].0;
             let kind = self.model.chains.kind(chain);
-            let mut events: Vec<(StateId, Nanoseconds)> = run
-                .iter()
-                .map(|&(_, index)| {
-                    let row = rows[index as usize];
-                    (self.intern(row.signal, row.value), row.time)
-                })
-                .collect();
+            if let [(_, only)] = run {
+                self.step(chain, kind, entries[*only as usize]);
+                continue;
+            }
+            let mut events: Vec<Entry> =
+                run.iter().map(|&(_, index)| entries[index as usize]).collect();
             if self.order.is_some() {
                 self.reorder(chain, kind, &mut events);
             }
-            for (state, time) in events {
-                self.step(chain, kind, state, time);
+            for event in events {
+                self.step(chain, kind, event);
             }
         }
         self.scratch = by_chain;
     }
 
     /// Puts the events of one scan into an order the chain knows, if there is one.
-    fn reorder(&self, chain: ChainIndex, kind: ChainKind, events: &mut [(StateId, Nanoseconds)]) {
+    fn reorder(&self, chain: ChainIndex, kind: ChainKind, events: &mut [Entry]) {
         if events.len() < 2 || events.len() > REORDER_AT_MOST || self.knows(chain, kind, events) {
             return;
         }
@@ -435,11 +474,12 @@ impl Monitor {
         }
     }
 
-    fn knows(&self, chain: ChainIndex, kind: ChainKind, events: &[(StateId, Nanoseconds)]) -> bool {
+    fn knows(&self, chain: ChainIndex, kind: ChainKind, events: &[Entry]) -> bool {
         let mut state = self.watch.state[chain];
-        events.iter().all(|&(next, _)| {
-            let known = state == NO_STATE || self.model.table.find(row_of(state, kind), next).is_some();
-            state = next;
+        events.iter().all(|event| {
+            let known = state == NO_STATE
+                || self.model.table.find(row_of(state, kind), event.state).is_some();
+            state = event.state;
             known
         })
     }
@@ -450,17 +490,17 @@ impl Monitor {
         &self,
         state: StateId,
         kind: ChainKind,
-        events: &[(StateId, Nanoseconds)],
+        events: &[Entry],
         order: &mut Vec<usize>,
     ) -> bool {
         if order.len() == events.len() {
             return true;
         }
         for index in 0..events.len() {
-            let (next, _) = events[index];
+            let next = events[index].state;
             let signal = self.signal_value(next).0;
             let waits = (0..index).any(|earlier| {
-                !order.contains(&earlier) && self.signal_value(events[earlier].0).0 == signal
+                !order.contains(&earlier) && self.signal_value(events[earlier].state).0 == signal
             });
             let known = state == NO_STATE || self.model.table.find(row_of(state, kind), next).is_some();
             if order.contains(&index) || waits || !known {
@@ -490,9 +530,14 @@ impl Monitor {
         (known + place) as StateId
     }
 
-    /// Keeps when and where a group last moved.
+    /// Keeps when a state was entered, and when and where its group last moved.
     #[inline]
-    fn note_group(&mut self, row: Row, state: StateId) {
+    fn enter(&mut self, row: Row) -> Entry {
+        let state = self.intern(row.signal, row.value);
+        let before = match self.watch.entered.get_mut(state as usize) {
+            Some(entered) => std::mem::replace(entered, row.time),
+            None => NEVER,
+        };
         let chains = &self.model.chains;
         let group = chains.group_of(chains.device_chain(row.signal));
         self.watch.group_last[group] = row.time;
@@ -507,11 +552,13 @@ impl Monitor {
             stall.message = message::stall_returned(&stall);
             self.findings.push(stall);
         }
+        Entry { state, time: row.time, before }
     }
 
     /// One chain moves on to `state`.
     #[inline]
-    fn step(&mut self, chain: ChainIndex, kind: ChainKind, state: StateId, time: Nanoseconds) {
+    fn step(&mut self, chain: ChainIndex, kind: ChainKind, event: Entry) {
+        let Entry { state, time, .. } = event;
         let from = std::mem::replace(&mut self.watch.state[chain], state);
         let since = std::mem::replace(&mut self.watch.since[chain], time);
         if from == NO_STATE {
@@ -519,11 +566,11 @@ impl Monitor {
         }
         match self.model.table.find(row_of(from, kind), state) {
             Some(rule) => {
-                let seconds = time.saturating_sub(since).max(0) as f64 / SECOND as f64;
-                if self.in_time(rule, seconds) {
-                    self.count(rule, seconds);
+                let timed = self.timed(rule, since, event);
+                if self.in_time(rule, timed) {
+                    self.count(rule, timed);
                 } else {
-                    self.report_time(chain, kind, rule, since, time, seconds);
+                    self.report_time(chain, kind, rule, time, timed);
                 }
                 if self.watch.off_path[chain] {
                     self.known_step(chain, state, time);
@@ -537,9 +584,33 @@ impl Monitor {
         }
     }
 
+    /// How long a transition took: since what enables it, or, where that has not happened afresh,
+    /// since the device's own last event.
     #[inline]
-    fn in_time(&self, rule: usize, seconds: f64) -> bool {
-        let accepted = &self.model.accepted[rule];
+    fn timed(&self, rule: usize, own: Nanoseconds, event: Entry) -> Timed {
+        let [one, other] = self.triggers[rule];
+        if one == NO_STATE {
+            return Timed::new(own, event.time, true);
+        }
+        let first = self.watch.entered[one as usize];
+        let second = if other == NO_STATE { first } else { self.watch.entered[other as usize] };
+        let fresh = first.min(second) >= event.before && first.min(second) != NEVER;
+        Timed::new(if fresh { first.max(second) } else { own }, event.time, fresh)
+    }
+
+    /// Accepted times of a rule: since its enabling event, or without one.
+    #[inline]
+    fn accepted(&self, rule: usize, timed: Timed) -> &[Accepted] {
+        if timed.as_learned {
+            &self.model.accepted[rule]
+        } else {
+            self.model.accepted_without.get(&rule).map_or(&[], Vec::as_slice)
+        }
+    }
+
+    #[inline]
+    fn in_time(&self, rule: usize, timed: Timed) -> bool {
+        let (accepted, seconds) = (self.accepted(rule, timed), timed.seconds);
         match self.model.parameters.timing {
             Timing::Adaptive => {
                 accepted.is_empty()
@@ -561,9 +632,13 @@ impl Monitor {
     }
 
     #[inline]
-    fn count(&mut self, rule: usize, seconds: f64) {
+    fn count(&mut self, rule: usize, timed: Timed) {
         self.watch.counts[rule] += 1;
-        let clusters = &self.model.rules[rule].clusters;
+        if !timed.as_learned {
+            return;
+        }
+        let seconds = timed.seconds;
+        let clusters = self.model.rules[rule].judged();
         let nearest = if clusters.len() == 1 { Some(0) } else { timing::nearest(clusters, seconds) };
         if let Some(nearest) = nearest {
             let cluster = self.cluster_start[rule] as usize + nearest;
@@ -577,12 +652,19 @@ impl Monitor {
         chain: ChainIndex,
         kind: ChainKind,
         rule: usize,
-        since: Nanoseconds,
         time: Nanoseconds,
-        seconds: f64,
+        timed: Timed,
     ) {
         let model = Arc::clone(&self.model);
-        let (found, limit_s) = broken_limit(&model, rule, seconds, self.nearest_maximum(rule, seconds));
+        let seconds = timed.seconds;
+        let (found, limit_s) = match model.parameters.timing {
+            Timing::Plat => {
+                let limits = &model.accepted[rule];
+                let cluster = self.nearest_maximum(rule, seconds);
+                (Kind::Late, cluster.map_or(f64::INFINITY, |cluster| limits[cluster].late_s))
+            }
+            Timing::Adaptive => broken_limit(self.accepted(rule, timed), seconds),
+        };
         let affordable = model.parameters.timing == Timing::Plat
             || model.evidence.odd_time(&model.rules[rule], seconds) <= model.budget.per_time;
         let mut finding = self.at(found, chain, kind, model.rules[rule].next, time);
@@ -591,13 +673,13 @@ impl Monitor {
         finding.expected = vec![Expected {
             state: self.state_name(model.rules[rule].next),
             probability: model.rules[rule].probability,
-            limit_s: model.latest_s(rule),
+            limit_s: self.accepted(rule, timed).iter().map(|a| a.late_s).reduce(f64::max),
         }];
         finding.observed_s = Some(seconds);
         finding.limit_s = Some(limit_s);
         finding.suspects = message::time_suspects(&model, rule);
-        finding.message = message::time(&model, rule, &finding);
-        self.place(finding, chain, kind, since);
+        finding.message = message::time(&model, rule, timed.as_learned, &finding);
+        self.place(finding, chain, kind, timed.since);
     }
 
     fn report_unknown(
@@ -930,17 +1012,7 @@ impl Monitor {
 }
 
 /// Which limit a time broke, and where that limit lies.
-fn broken_limit(
-    model: &NominalModel,
-    rule: usize,
-    seconds: f64,
-    nearest_maximum: Option<usize>,
-) -> (Kind, f64) {
-    let accepted = &model.accepted[rule];
-    if model.parameters.timing == Timing::Plat {
-        let limit = nearest_maximum.map_or(f64::INFINITY, |cluster| accepted[cluster].late_s);
-        return (Kind::Late, limit);
-    }
+fn broken_limit(accepted: &[Accepted], seconds: f64) -> (Kind, f64) {
     let late = accepted.iter().map(|a| a.late_s).filter(|&limit| limit < seconds).reduce(f64::max);
     let early = accepted.iter().map(|a| a.early_s).filter(|&limit| limit > seconds).reduce(f64::min);
     match (late, early) {

@@ -33,6 +33,8 @@ pub struct Parameters {
     pub merge_distance_s: f64,
     /// `plat`: clusters with no more support are dropped.
     pub minimum_support: f64,
+    /// `plat`: one allowance over the maximum time instead of 1.5, 3 and 4 s.
+    pub allowance_s: Option<f64>,
     /// A path off the known transitions may return within this time.
     pub return_within_s: f64,
     /// A group without an event for this long has stopped.
@@ -61,6 +63,7 @@ impl Default for Parameters {
             single_cluster_span_s: 3.0,
             merge_distance_s: 3.0,
             minimum_support: 0.08,
+            allowance_s: None,
             return_within_s: 60.0,
             stall_after_s: 180.0,
             stall_learned: false,
@@ -103,6 +106,7 @@ impl Parameters {
             ("single_cluster_span_s", self.single_cluster_span_s, "0 or more seconds", -1e-300),
             ("merge_distance_s", self.merge_distance_s, "0 or more seconds", -1e-300),
             ("minimum_support", self.minimum_support, "a share from 0 to below 1", -1e-300),
+            ("allowance_s", self.allowance_s.unwrap_or(1.0), positive, 0.0),
             ("scan_interval_s", self.scan_interval_s.unwrap_or(1.0), positive, 0.0),
         ];
         for (name, value, expected, above) in checks {

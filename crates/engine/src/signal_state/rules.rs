@@ -3,6 +3,7 @@
 use crate::timing::TimeCluster;
 
 use super::chains::{ChainIndex, ChainKind, Chains};
+use super::enabling::Trigger;
 use super::states::StateId;
 
 /// One transition of one chain.
@@ -29,9 +30,16 @@ pub struct Rule {
     pub dispersion: f64,
     /// Its times; empty where none was ever measured (a confirmed path).
     pub clusters: Vec<TimeCluster>,
+    /// What it really waits for, where that is not the device's own last event.
+    pub trigger: Option<Trigger>,
 }
 
 impl Rule {
+    /// The times it is judged by: delays from the enabling event where there is one.
+    pub fn judged(&self) -> &[TimeCluster] {
+        self.trigger.as_ref().map_or(&self.clusters, |trigger| &trigger.clusters)
+    }
+
     /// Instances that count as evidence.
     pub fn evidence(&self) -> u64 {
         self.count.saturating_sub(self.uncounted)

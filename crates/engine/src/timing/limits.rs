@@ -59,10 +59,12 @@ pub fn adaptive(clusters: &[TimeCluster], alpha: f64, resolution_s: f64) -> Vec<
 }
 
 /// The published rule as accepted times: nothing is early.
-pub fn plat(clusters: &[TimeCluster]) -> Vec<Accepted> {
+/// `allowance_s` is one Δ for all times, as in the paper's section 3.2, instead of the steps.
+pub fn plat(clusters: &[TimeCluster], allowance_s: Option<f64>) -> Vec<Accepted> {
+    let allowance = |maximum| allowance_s.unwrap_or_else(|| plat_allowance_s(maximum));
     clusters
         .iter()
-        .map(|c| Accepted { early_s: 0.0, late_s: c.maximum_s + plat_allowance_s(c.maximum_s) })
+        .map(|c| Accepted { early_s: 0.0, late_s: c.maximum_s + allowance(c.maximum_s) })
         .collect()
 }
 
