@@ -1,4 +1,5 @@
 //! Wide text logs: samples to changes.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod scratch;
 

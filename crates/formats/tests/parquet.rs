@@ -1,4 +1,5 @@
 //! Parquet of other writers: long with other names and types, wide, empty, with nulls.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod scratch;
 
@@ -235,4 +236,16 @@ fn our_own_columns_are_the_contract() {
         shown,
         ["time: Timestamp(ns, \"UTC\")", "signal: Dictionary(UInt32, Utf8)", "value: Int64"]
     );
+}
+
+#[test]
+fn date_and_time_in_two_columns() {
+    let days = arrow_array::Date32Array::from_iter_values([19_828; 3]);
+    let table = batch(vec![
+        ("date", Arc::new(days)),
+        ("time", Arc::new(StringArray::from_iter_values(["12:00:00", "12:00:01", "12:00:02"]))),
+        ("signal", names()[0].clone()),
+        ("value", values()[0].clone()),
+    ]);
+    assert_eq!(rows(&read_as("log.parquet", file(&table), "{}").unwrap().log), expected());
 }

@@ -1,4 +1,5 @@
 //! XES of other tools.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod scratch;
 

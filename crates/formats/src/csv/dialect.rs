@@ -23,6 +23,8 @@ pub(super) struct Dialect {
     /// True where the first record is data already.
     pub(super) headerless: bool,
     pub(super) columns: Vec<Column>,
+    /// True where a column's name is no UTF-8.
+    pub(super) latin_1: bool,
     /// The first rows of data.
     pub(super) sample: Vec<Vec<Vec<u8>>>,
 }
@@ -108,7 +110,8 @@ impl Dialect {
                 ),
             })
             .collect();
-        Ok(Self { delimiter, newline, header_row, headerless, columns, sample })
+        let latin_1 = !headerless && header.iter().any(|name| std::str::from_utf8(name).is_err());
+        Ok(Self { delimiter, newline, header_row, headerless, columns, latin_1, sample })
     }
 
     /// The layout of a file without header: paper 000's Table 1 has time, symbol name, status.
