@@ -121,6 +121,17 @@ fn date_and_time_in_two_columns() {
 }
 
 #[test]
+fn an_unquoted_comma_between_date_and_time() {
+    for text in [
+        "Time stamp,Symbol name,Status\n15/04/2024,12:00:00,a,1\n15/04/2024,12:00:01,a,0\n",
+        "15/04/2024,12:00:00,a,1\n15/04/2024,12:00:01,a,0\n",
+    ] {
+        let reading = csv(text);
+        assert_eq!(rows(&reading.log), [(NOON, "a", 1), (NOON + S, "a", 0)]);
+    }
+}
+
+#[test]
 fn time_formats_by_option() {
     let pattern = r#"{"time_format": "%Y%m%d-%H%M%S%.f"}"#;
     let reading =
