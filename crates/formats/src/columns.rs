@@ -95,6 +95,16 @@ impl Cells {
     }
 }
 
+/// A date and a time of day as one column of text; `None` where they have no text.
+pub(crate) fn joined(date: &ArrayRef, time: &ArrayRef) -> Option<ArrayRef> {
+    let texts = |array: &ArrayRef| arrow_cast::cast(&plain(array)?, &DataType::Utf8).ok();
+    let (dates, times) = (texts(date)?, texts(time)?);
+    let pairs = dates.as_string::<i32>().iter().zip(times.as_string::<i32>().iter());
+    let joined: StringArray =
+        pairs.map(|(date, time)| Some(format!("{} {}", date?, time?))).collect();
+    Some(std::sync::Arc::new(joined))
+}
+
 /// A column of times.
 pub(crate) enum Times {
     /// Ticks of so many nanoseconds since 1970.

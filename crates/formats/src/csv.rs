@@ -35,6 +35,7 @@ pub(crate) fn read(
         intake.report.note(*note);
     }
     let dialect = Dialect::sniff(path, &source.head, source.complete, options)?;
+    intake.names.latin_1 = dialect.latin_1;
     let layout = match dialect.headerless_layout(path)? {
         Some(layout) => {
             intake.report.note("no header row: the columns are read as time, signal and value");

@@ -53,6 +53,11 @@ pub fn read(path: &Path, options: &ReadOptions) -> Result<Reading, FormatError> 
     let source = source::Source::open(path)?;
     match sniff::format(path, &source.head, options.format)? {
         Format::Csv => csv::read(path, source, options),
+        Format::Parquet if source.is_unpacked => Err(FormatError::NotALog {
+            path: path.to_owned(),
+            found: "a gzip archive of a Parquet file",
+            mend: "unpack it first",
+        }),
         Format::Parquet => parquet::read(path, options),
         Format::Xes => xes::read(path, source, options),
         Format::Vcd => vcd::read(path, source, options),

@@ -4,7 +4,7 @@ use std::fs::File;
 use std::io::{BufWriter, Write};
 use std::path::Path;
 
-use runglight_engine::log::ChangeLog;
+use runglight_engine::log::{ChangeLog, LogError, SECOND};
 
 use crate::csv;
 use crate::error::FormatError;
@@ -17,10 +17,11 @@ use crate::xes;
 /// written.
 ///
 /// # Errors
-/// An unknown format, a full disk, or any other refusal of the file system; a file that was
+/// An unknown format, a log that is not in order, a full disk, or any other refusal of the file system; a file that was
 /// there before is then untouched.
 pub fn write(log: &ChangeLog, path: &Path, format: Option<Format>) -> Result<u64, FormatError> {
     let format = format.map_or_else(|| Format::from_path(path), Ok)?;
+    check(log)?;
     let failed = |error| FormatError::io(path, "write this file", error);
     if path.is_dir() {
         return Err(FormatError::NotAFile { path: path.to_owned(), found: "a directory" });
@@ -52,6 +53,24 @@ pub fn write(log: &ChangeLog, path: &Path, format: Option<Format>) -> Result<u64
     temporary.persist(path).map_err(|error| failed(error.error))?;
     sync_directory(directory).map_err(failed)?;
     Ok(log.len() as u64)
+}
+
+/// A log with rows that no format could carry is refused: rows never vanish.
+fn check(log: &ChangeLog) -> Result<(), LogError> {
+    let (time, signal, value) = (log.time.len(), log.signal.len(), log.value.len());
+    if time != signal || time != value {
+        return Err(LogError::Lengths { time, signal, value });
+    }
+    let signals = log.signals.len();
+    if let Some(row) = log.signal.iter().position(|&index| index as usize >= signals) {
+        return Err(LogError::Signal { row: row + 1, signal: log.signal[row], signals });
+    }
+    if let Some(row) = log.time.windows(2).position(|pair| pair[1] < pair[0]) {
+        let late = log.time[row].saturating_sub(log.time[row + 1]);
+        let late_s = late as f64 / SECOND as f64;
+        return Err(LogError::Order { row: row + 2, late_s, reorder_s: 0.0 });
+    }
+    Ok(())
 }
 
 fn delimiter(path: &Path) -> u8 {

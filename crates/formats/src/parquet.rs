@@ -127,7 +127,7 @@ impl ParquetFile<'_> {
         first: &RecordBatch,
         intake: &mut Intake,
     ) -> Result<TimeParser, FormatError> {
-        let texts: Vec<Vec<u8>> = match first.columns().get(time.time).and_then(Times::new) {
+        let texts: Vec<Vec<u8>> = match times_of(first, time.date, Some(time.time)) {
             Some(Times::Written(cells)) => (0..first.num_rows())
                 .map(|row| {
                     let mut text = Vec::new();
@@ -179,6 +179,7 @@ impl ParquetFile<'_> {
         mut intake: Intake,
     ) -> Result<Reading, FormatError> {
         let mut wanted = vec![time.time];
+        wanted.extend(time.date);
         wanted.extend(signal);
         wanted.extend(value);
         let places = Places::new(&wanted);
@@ -190,8 +191,8 @@ impl ParquetFile<'_> {
             let refuse = |column: usize, role| {
                 self.unusable(&columns[column], &batch, places.of(column), role)
             };
-            let times =
-                Times::new(array(time.time)).ok_or_else(|| refuse(time.time, "time column"))?;
+            let times = times_of(&batch, places.find(time.date), places.find(Some(time.time)))
+                .ok_or_else(|| refuse(time.time, "time column"))?;
             let mut names = Vec::new();
             for &column in signal {
                 names.push(
@@ -272,6 +273,7 @@ impl ParquetFile<'_> {
         mut intake: Intake,
     ) -> Result<Reading, FormatError> {
         let mut wanted = vec![time.time];
+        wanted.extend(time.date);
         wanted.extend(kept);
         let places = Places::new(&wanted);
         let mut sampler =
@@ -286,9 +288,10 @@ impl ParquetFile<'_> {
         };
         for batch in self.batches(&wanted)? {
             let batch = batch.map_err(|error| FormatError::damaged(self.path, "Parquet", error))?;
-            let times = Times::new(batch.column(places.of(time.time))).ok_or_else(|| {
-                self.unusable(&columns[time.time], &batch, places.of(time.time), "time column")
-            })?;
+            let times = times_of(&batch, places.find(time.date), places.find(Some(time.time)))
+                .ok_or_else(|| {
+                    self.unusable(&columns[time.time], &batch, places.of(time.time), "time column")
+                })?;
             let cells: Vec<Option<Cells>> =
                 kept.iter().map(|&column| Cells::new(batch.column(places.of(column)))).collect();
             for at in 0..batch.num_rows() {
@@ -331,6 +334,15 @@ impl ParquetFile<'_> {
     }
 }
 
+/// The times of a batch, from one column or from a date and a time of day.
+fn times_of(batch: &RecordBatch, date: Option<usize>, time: Option<usize>) -> Option<Times> {
+    let time = batch.columns().get(time?)?;
+    match date {
+        None => Times::new(time),
+        Some(date) => Times::new(&columns::joined(batch.columns().get(date)?, time)?),
+    }
+}
+
 /// Where columns of the file stand in a projected batch, which keeps the file's order.
 struct Places(Vec<usize>);
 
@@ -340,6 +352,10 @@ impl Places {
         places.sort_unstable();
         places.dedup();
         Self(places)
+    }
+
+    fn find(&self, column: Option<usize>) -> Option<usize> {
+        column.map(|column| self.of(column))
     }
 
     fn of(&self, column: usize) -> usize {

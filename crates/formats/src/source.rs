@@ -23,6 +23,8 @@ pub(crate) struct Source {
     pub(crate) head: Vec<u8>,
     /// True where the head is the whole file.
     pub(crate) complete: bool,
+    /// True where the bytes are not those of the file but what it unpacks to.
+    pub(crate) is_unpacked: bool,
     pub(crate) notes: Vec<&'static str>,
     rest: Box<dyn Read>,
 }
@@ -43,6 +45,7 @@ impl Source {
             let guard =
                 Guard { inner: unpacked, left: limit, limit, packed, path: path.to_owned() };
             source = Self::start(path, Box::new(guard))?;
+            source.is_unpacked = true;
             source.notes.push("unpacked from gzip");
             if source.head.is_empty() {
                 return Err(FormatError::Empty { path: path.to_owned() });
@@ -59,7 +62,7 @@ impl Source {
             .read_to_end(&mut head)
             .map_err(|error| FormatError::io(path, "read this file", error))?;
         let complete = head.len() < HEAD;
-        Ok(Self { head, complete, notes: Vec::new(), rest: reader })
+        Ok(Self { head, complete, is_unpacked: false, notes: Vec::new(), rest: reader })
     }
 
     /// Takes byte order marks off, and UTF-16 to UTF-8.

@@ -1,4 +1,5 @@
 //! Random bytes, truncations and bit flips end in data or in one line, never in a panic.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod scratch;
 
@@ -90,7 +91,7 @@ proptest! {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(25_000))]
+    #![proptest_config(ProptestConfig::with_cases(1_500))]
 
     #[test]
     fn damaged_files(

@@ -1,4 +1,5 @@
 //! log → file → log gives the same log, in every format.
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test fails by panicking")]
 
 mod scratch;
 
@@ -148,4 +149,29 @@ fn csv_is_written_as_the_contract_says() {
          1970-01-12T13:46:41.000000001Z,\"a,\"\"b\"\"\",-5\n\
          2018-01-05T13:08:16.042100Z,\"a,\"\"b\"\"\",7\n"
     );
+}
+
+#[test]
+fn logs_that_no_file_could_carry_are_refused() {
+    let scratch = Scratch::new();
+    let signals = vec!["a".to_owned()];
+    for log in [
+        ChangeLog { signals: signals.clone(), time: vec![1], ..ChangeLog::default() },
+        ChangeLog {
+            signals: signals.clone(),
+            time: vec![1],
+            signal: vec![1],
+            value: vec![0],
+            ..ChangeLog::default()
+        },
+        ChangeLog {
+            signals,
+            time: vec![1, 0],
+            signal: vec![0, 0],
+            value: vec![0, 0],
+            ..ChangeLog::default()
+        },
+    ] {
+        write(&log, &scratch.path("log.vcd"), None).unwrap_err();
+    }
 }

@@ -23,6 +23,8 @@ pub(super) struct Dialect {
     /// True where the first record is data already.
     pub(super) headerless: bool,
     pub(super) columns: Vec<Column>,
+    /// True where a column's name is no UTF-8.
+    pub(super) latin_1: bool,
     /// The first rows of data.
     pub(super) sample: Vec<Vec<Vec<u8>>>,
 }
@@ -93,7 +95,11 @@ impl Dialect {
             });
         }
         let headerless = looks_like_data(&sample[0]);
-        let header = if headerless { sample[0].clone() } else { sample.remove(0) };
+        let mut header = if headerless { sample[0].clone() } else { sample.remove(0) };
+        if let Some(date) = split_time(&header, &sample) {
+            header[date] = b"date".to_vec();
+            header.insert(date + 1, b"time".to_vec());
+        }
         let columns = header
             .iter()
             .enumerate()
@@ -108,7 +114,8 @@ impl Dialect {
                 ),
             })
             .collect();
-        Ok(Self { delimiter, newline, header_row, headerless, columns, sample })
+        let latin_1 = !headerless && header.iter().any(|name| std::str::from_utf8(name).is_err());
+        Ok(Self { delimiter, newline, header_row, headerless, columns, latin_1, sample })
     }
 
     /// The layout of a file without header: paper 000's Table 1 has time, symbol name, status.
@@ -116,11 +123,18 @@ impl Dialect {
         if !self.headerless {
             return Ok(None);
         }
-        if self.columns.len() == 3
-            || (self.columns.len() == 4 && self.columns[3].kind == Kind::Empty)
-        {
-            let time = TimeColumns { date: None, time: 0 };
-            return Ok(Some(Layout::Long { time, signal: vec![1], value: Some(2) }));
+        let filled = self.columns.iter().rposition(|column| column.kind != Kind::Empty);
+        let first = self.sample.first();
+        let time = match filled {
+            Some(2) => Some(TimeColumns { date: None, time: 0 }),
+            Some(3) if first.is_some_and(|first| is_date_and_clock(&first[0], &first[1])) => {
+                Some(TimeColumns { date: Some(0), time: 1 })
+            }
+            _ => None,
+        };
+        if let Some(time) = time {
+            let (signal, value) = (vec![time.time + 1], Some(time.time + 2));
+            return Ok(Some(Layout::Long { time, signal, value }));
         }
         Err(FormatError::Columns {
             path: path.to_owned(),
@@ -208,6 +222,26 @@ fn outside_quotes(line: &[u8], delimiter: u8) -> usize {
         count += usize::from(byte == delimiter && !inside);
     }
     count
+}
+
+/// The date's place where `dd/mm/yyyy,hh:mm:ss` in a file with commas makes two fields of one
+/// time, so that every row has one field more than the header.
+fn split_time(header: &[Vec<u8>], sample: &[Vec<Vec<u8>>]) -> Option<usize> {
+    let first = sample.first().filter(|first| first.len() == header.len() + 1)?;
+    if sample.iter().any(|record| record.len() != first.len()) {
+        return None;
+    }
+    first.windows(2).position(|pair| is_date_and_clock(&pair[0], &pair[1]))
+}
+
+fn is_date_and_clock(date: &[u8], clock: &[u8]) -> bool {
+    let is_time = |cell: &[u8]| Kind::of([cell].into_iter()) == Kind::Time;
+    let is_number = |cell: &[u8]| cell.iter().all(|byte| byte.is_ascii_digit() || *byte == b'.');
+    !date.contains(&b':')
+        && clock.contains(&b':')
+        && is_time(date)
+        && is_time(clock)
+        && !(is_number(date) && date.iter().filter(|byte| **byte == b'.').count() < 2)
 }
 
 /// A first row with a time in it is no header.

@@ -36,6 +36,7 @@ pub(super) fn read(
         let path = intake.path.clone();
         intake = Intake::new(&path, told.format, options)?;
         intake.report = told;
+        intake.names.latin_1 = dialect.latin_1;
         file.records =
             Records::new(Source::open(&path)?.into_reader(), dialect.delimiter, dialect.newline);
         file.times = times;
@@ -46,6 +47,9 @@ pub(super) fn read(
     file.sampler.finish(&mut intake)?;
     intake.finish()
 }
+
+/// A row that waits for earlier ones: its number and its cells, text ones with their bytes.
+type Waiting = (u64, Vec<(Cell, Box<[u8]>)>);
 
 struct WideFile<'a> {
     records: Records<Box<dyn Read>>,
@@ -157,7 +161,7 @@ impl WideFile<'_> {
         Ok(())
     }
 
-    fn take(&mut self, time: i64, (row, cells): (u64, Vec<(Cell, Box<[u8]>)>)) {
+    fn take(&mut self, time: i64, (row, cells): Waiting) {
         self.sampler.sample(time);
         for (index, (cell, bytes)) in cells.into_iter().enumerate() {
             self.sampler.cell(index, row, cell, &bytes);

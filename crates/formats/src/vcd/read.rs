@@ -133,11 +133,7 @@ impl<R: BufRead> Dump<R> {
     fn define(&mut self, command: Command, intake: &mut Intake) -> Result<(), FormatError> {
         match command {
             Command::Comment(text) => self.comment(&text, intake),
-            Command::Date(text) => {
-                if self.epoch.is_none() {
-                    self.epoch = date(&text);
-                }
-            }
+            Command::Date(text) => self.epoch = self.epoch.or_else(|| date(&text)),
             Command::Timescale(number, unit) => {
                 self.femtoseconds = u128::from(number) * femtoseconds(unit);
             }

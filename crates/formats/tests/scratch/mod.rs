@@ -1,5 +1,6 @@
 //! Files for a test, and the shortest ways to read them.
-#![allow(dead_code)]
+#![allow(dead_code, reason = "each test file uses its part")]
+#![allow(clippy::unwrap_used, clippy::new_without_default, reason = "only tests use it")]
 
 use std::path::{Path, PathBuf};
 
