@@ -62,6 +62,7 @@ def test_the_defaults_are_the_published_ones() -> None:
         "single_cluster_span_s": 3.0,
         "merge_distance_s": 3.0,
         "minimum_support": 0.08,
+        "allowance_s": None,
         "return_within_s": 60.0,
         "stall_after_s": 180.0,
         "stall_learned": False,

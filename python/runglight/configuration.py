@@ -36,6 +36,8 @@ class SignalState(Struct, forbid_unknown_fields=True, frozen=True):
     """`plat`: clusters whose centres are nearer than this are merged."""
     minimum_support: Annotated[float, Meta(ge=0, lt=1)] = 0.08
     """`plat`: clusters with no larger share of the instances are dropped."""
+    allowance_s: Positive | None = None
+    """`plat`: one allowance over the maximum time instead of 1.5, 3 and 4 s by its length."""
     return_within_s: Positive = 60.0
     """A device back on known transitions within this time has returned from an alarm path."""
     stall_after_s: Positive = 180.0

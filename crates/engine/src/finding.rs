@@ -155,7 +155,8 @@ pub fn stable_id(kind: Kind, place: &str, from: &str, to: &str, time: Nanosecond
 
 /// `2026-01-05T06:00:00.12Z`.
 pub fn time_text(time: Nanoseconds) -> String {
-    jiff::Timestamp::from_nanosecond(i128::from(time)).map_or_else(|_| time.to_string(), |t| t.to_string())
+    jiff::Timestamp::from_nanosecond(i128::from(time))
+        .map_or_else(|_| time.to_string(), |t| t.to_string())
 }
 
 fn iso_8601<S: Serializer>(time: &Nanoseconds, serializer: S) -> Result<S::Ok, S::Error> {
@@ -166,7 +167,9 @@ fn iso_8601<S: Serializer>(time: &Nanoseconds, serializer: S) -> Result<S::Ok, S
     }
 }
 
-fn from_iso_8601<'de, D: serde::Deserializer<'de>>(deserializer: D) -> Result<Nanoseconds, D::Error> {
+fn from_iso_8601<'de, D: serde::Deserializer<'de>>(
+    deserializer: D,
+) -> Result<Nanoseconds, D::Error> {
     use serde::de::Error;
     if !deserializer.is_human_readable() {
         return i64::deserialize(deserializer);

@@ -30,7 +30,9 @@ pub struct Gap {
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum LogError {
     /// The columns differ in length.
-    #[error("a change log needs columns of one length: time has {time} rows, signal {signal}, value {value}")]
+    #[error(
+        "a change log needs columns of one length: time has {time} rows, signal {signal}, value {value}"
+    )]
     Lengths {
         /// Rows of the time column.
         time: usize,

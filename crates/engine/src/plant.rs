@@ -45,7 +45,8 @@ impl SignalClass {
         let (first, second) = (bytes.first().copied(), bytes.get(1).copied());
         let marker = if first == Some(b'%') { second } else { first };
         let after = if first == Some(b'%') { bytes.get(2).copied() } else { second };
-        let is_marker = first == Some(b'%') || after.is_some_and(|b| b == b'_' || b.is_ascii_digit());
+        let is_marker =
+            first == Some(b'%') || after.is_some_and(|b| b == b'_' || b.is_ascii_digit());
         match (is_marker, marker) {
             (true, Some(b'I' | b'i' | b'E')) => Self::Input,
             (true, Some(b'Q' | b'q' | b'A' | b'O' | b'o')) => Self::Output,
@@ -117,9 +118,9 @@ impl Plant {
         );
         for symbol in symbols {
             let entry = table.find(symbol);
-            let split = rule.split(symbol).or_else(|| {
-                entry.and_then(|e| e.full_name()).and_then(|name| rule.split(&name))
-            });
+            let split = rule
+                .split(symbol)
+                .or_else(|| entry.and_then(|e| e.full_name()).and_then(|name| rule.split(&name)));
             let guessed = SignalClass::guess(symbol);
             let (group, device, name) = match (entry, split) {
                 (Some(entry), split) if entry.device.is_some() || split.is_none() => (

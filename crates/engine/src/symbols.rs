@@ -89,8 +89,10 @@ impl SymbolTable {
             .into_iter()
             .find(|&d| first.as_bytes().contains(&d))
             .unwrap_or(b',');
-        let mut reader =
-            csv::ReaderBuilder::new().delimiter(delimiter).trim(csv::Trim::All).from_reader(text.as_bytes());
+        let mut reader = csv::ReaderBuilder::new()
+            .delimiter(delimiter)
+            .trim(csv::Trim::All)
+            .from_reader(text.as_bytes());
         let header = reader.headers().cloned().unwrap_or_default();
         let columns: Vec<String> = header.iter().map(str::to_ascii_lowercase).collect();
         if !columns.iter().any(|c| c == "address") {
@@ -105,10 +107,11 @@ impl SymbolTable {
         let mut table = Self::default();
         for (index, record) in reader.records().enumerate() {
             let counted = index as u64 + 2;
-            let record = record
-                .map_err(|e| SymbolError::Row { row: counted, problem: csv_problem(&e) })?;
+            let record =
+                record.map_err(|e| SymbolError::Row { row: counted, problem: csv_problem(&e) })?;
             let row = record.position().map_or(counted, csv::Position::line);
-            let entry = parse_row(&columns, &record).map_err(|problem| SymbolError::Row { row, problem })?;
+            let entry = parse_row(&columns, &record)
+                .map_err(|problem| SymbolError::Row { row, problem })?;
             table.insert(entry).map_err(|problem| SymbolError::Row { row, problem })?;
         }
         Ok(table)

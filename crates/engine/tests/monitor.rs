@@ -57,7 +57,13 @@ fn random_log(events: usize) -> impl Strategy<Value = ChangeLog> {
             .into_iter()
             .map(|(step, signal, value)| {
                 // Often the same time, sometimes a long pause.
-                time += if step < 1000 { 0 } else if step > 3990 { 400 * SECOND } else { step * MS };
+                time += if step < 1000 {
+                    0
+                } else if step > 3990 {
+                    400 * SECOND
+                } else {
+                    step * MS
+                };
                 let value = if signal == 3 { value * 5 } else { value.min(1) };
                 (time, signal, value)
             })
@@ -212,7 +218,10 @@ fn a_path_that_returns_can_be_confirmed_and_is_known_then() {
     let offered = findings.iter().find(|f| f.kind == Kind::AlarmPath).expect("the path is offered");
     assert_eq!(offered.path, ["G-A-X_ON", "G-A-X_OFF", "G-A-X_ON"]);
     let first = &findings[0];
-    assert_eq!((first.kind, first.severity, first.state), (Kind::Transition, Severity::Fault, State::Suspected));
+    assert_eq!(
+        (first.kind, first.severity, first.state),
+        (Kind::Transition, Severity::Fault, State::Suspected)
+    );
     assert!(first.snapshot_id.is_some());
     let (model, new) = model.confirm(offered).expect("a path of this plant");
     assert_eq!(new, 2);

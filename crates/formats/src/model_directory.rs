@@ -108,9 +108,7 @@ pub fn save(model: &NominalModel, provenance: &Provenance, path: &Path) -> Resul
         return Err(ModelError::Taken { path: path.to_owned() });
     }
     let staging = beside(path, "new");
-    let io = |action| {
-        move |source| ModelError::Io { path: path.to_owned(), action, source }
-    };
+    let io = |action| move |source| ModelError::Io { path: path.to_owned(), action, source };
     let _ = fs::remove_dir_all(&staging);
     fs::create_dir_all(&staging).map_err(io("create the model directory"))?;
     let written = write_files(model, provenance, &staging).and_then(|()| replace(path, &staging));
@@ -187,8 +185,7 @@ fn checksum(bytes: &[u8]) -> String {
 /// # Errors
 /// No model there, another version, or anything that does not fit.
 pub fn load(path: &Path) -> Result<(NominalModel, Provenance), ModelError> {
-    let damaged =
-        |problem: String| ModelError::Damaged { path: path.to_owned(), problem };
+    let damaged = |problem: String| ModelError::Damaged { path: path.to_owned(), problem };
     let read = |name: &str| {
         fs::read(path.join(name)).map_err(|source| match source.kind() {
             io::ErrorKind::NotFound | io::ErrorKind::NotADirectory if name == MANIFEST => {
@@ -213,7 +210,9 @@ pub fn load(path: &Path) -> Result<(NominalModel, Provenance), ModelError> {
     check_plant(&manifest).map_err(|problem| damaged(problem.to_owned()))?;
     let bytes = read(RULES)?;
     if checksum(&bytes) != manifest.rules_checksum {
-        return Err(damaged("rules.parquet is not the one the manifest was written with".to_owned()));
+        return Err(damaged(
+            "rules.parquet is not the one the manifest was written with".to_owned(),
+        ));
     }
     let mut states = States::new(manifest.plant.signals.len());
     for &(signal, value) in &manifest.word_states {

@@ -20,8 +20,7 @@ use runglight_engine::signal_state::rules::Rule;
 use runglight_engine::signal_state::states::{NO_STATE, StateNames, States};
 use runglight_engine::timing::TimeCluster;
 
-const TEXT: [&str; 7] =
-    ["model", "group", "device", "current", "next", "trigger", "trigger_times"];
+const TEXT: [&str; 7] = ["model", "group", "device", "current", "next", "trigger", "trigger_times"];
 const WHOLE: [&str; 6] =
     ["count", "cluster", "position", "uncounted", "sequence", "cluster_instances"];
 
@@ -147,9 +146,7 @@ fn push_row(
     let own = cluster.filter(|_| rule.trigger.is_none());
     let limits = own.and_then(|(index, _)| all_limits.get(index));
     let trigger = rule.trigger.as_ref();
-    let trigger_name = trigger.map(|t| {
-        t.states().map(|state| model.state_name(state)).collect::<Vec<_>>().join(BOTH)
-    });
+    let trigger_name = trigger_name(model, rule);
     let trigger_times = trigger.and_then(|t| serde_json::to_string(&t.clusters).ok());
     let slowest = trigger.and_then(|t| t.clusters.last());
     let trigger_limit =
@@ -195,6 +192,12 @@ fn push_row(
     for (column, cell) in columns.iter_mut().zip(&cells) {
         column.push(cell);
     }
+}
+
+/// The states that enable a rule, joined by ` & ` where it waits for the later of two.
+pub fn trigger_name(model: &NominalModel, rule: &Rule) -> Option<String> {
+    let names = rule.trigger.as_ref()?.states().map(|state| model.state_name(state));
+    Some(names.collect::<Vec<_>>().join(BOTH))
 }
 
 /// Reads rules back; `None` where a row does not fit the plant or a column is missing.

@@ -47,11 +47,7 @@ impl PyChangeLog {
 impl PyChangeLog {
     #[staticmethod]
     #[pyo3(signature = (table, reorder_s = 1.0))]
-    fn from_arrow(
-        py: Python<'_>,
-        table: PyRecordBatchReader,
-        reorder_s: f64,
-    ) -> PyResult<Self> {
+    fn from_arrow(py: Python<'_>, table: PyRecordBatchReader, reorder_s: f64) -> PyResult<Self> {
         Self::from_stream(py, table, reorder_s).map(Self::new)
     }
 
@@ -125,7 +121,9 @@ impl PyChangeLog {
                 .log
                 .gaps
                 .iter()
-                .filter(|gap| before.is_none_or(|b| gap.end > b) && last.is_some_and(|l| gap.end <= l))
+                .filter(|gap| {
+                    before.is_none_or(|b| gap.end > b) && last.is_some_and(|l| gap.end <= l)
+                })
                 .copied()
                 .collect(),
         })
@@ -146,9 +144,8 @@ impl PyChangeLog {
 pub fn read_log(py: Python<'_>, path: &str, options_json: &str) -> PyResult<PyChangeLog> {
     let options: ReadOptions = serde_json::from_str(options_json)
         .map_err(|error| errors::input(format!("reader options: {error}")))?;
-    let reading = py
-        .detach(|| runglight_formats::read(Path::new(path), &options))
-        .map_err(errors::input)?;
+    let reading =
+        py.detach(|| runglight_formats::read(Path::new(path), &options)).map_err(errors::input)?;
     let report_json = serde_json::to_string(&reading.report).map_err(errors::input)?;
     Ok(PyChangeLog { log: reading.log, report_json })
 }

@@ -66,6 +66,7 @@ impl PyNominalModel {
         let mut rows = Vec::new();
         for rule in model.rules_of(chain) {
             let limits = model.limits_of(rule);
+            let trigger = rule.trigger.as_ref().and_then(|t| t.clusters.last());
             let row = |cluster: Option<usize>| {
                 let of = cluster.map(|index| &rule.clusters[index]);
                 let own = cluster.filter(|_| rule.trigger.is_none());
@@ -84,9 +85,9 @@ impl PyNominalModel {
                     "maximum_s": of.map(|c| c.maximum_s),
                     "time_probability": of.map(|c| c.probability),
                     "position": rule.position,
-                    "trigger": rule.trigger.as_ref().map(|trigger| {
-                        trigger.states().map(|state| model.state_name(state)).collect::<Vec<_>>()
-                    }),
+                    "trigger": rules_table::trigger_name(model, rule),
+                    "trigger_average_s": trigger.map(|t| t.average_s),
+                    "trigger_maximum_s": trigger.map(|t| t.maximum_s),
                     "trigger_times": rule.trigger.as_ref().map(|trigger| &trigger.clusters),
                     "early_limit_s": limit.map(|l| l.0),
                     "late_limit_s": limit.map(|l| l.1).filter(|l| l.is_finite()),

@@ -29,8 +29,11 @@ COLUMNS = (
     "maximum_s",
     "time_probability",
     "position",
+    "trigger",
+    "trigger_average_s",
+    "trigger_maximum_s",
 )
-"""Columns of `rules.parquet`, in order."""
+"""Columns shown of `rules.parquet`, in order."""
 
 
 def print_summary(console: Console, name: str, summary: dict[str, Any]) -> None:
@@ -74,7 +77,8 @@ def print_rules(console: Console, title: str, rows: Sequence[dict[str, Any]]) ->
         title_justify="left",
         caption=Text(
             "TP probability of the transition · ATT average, min and max time in seconds · "
-            "TTP probability of that time"
+            "TTP probability of that time · Waits for: the event that enables the transition, "
+            "and the average time since then"
         ),
         caption_justify="left",
     )
@@ -82,6 +86,8 @@ def print_rules(console: Console, title: str, rows: Sequence[dict[str, Any]]) ->
     table.add_column("Next", overflow="fold")
     for heading in ("Count", "TP", "ATT", "Min", "Max", "TTP"):
         table.add_column(heading, justify="right", no_wrap=True)
+    if any(row["trigger"] for row in rows):
+        table.add_column("Waits for", overflow="fold")
     previous: tuple[str, str] | None = None
     for row in rows:
         transition = (row["current"], row["next"])
@@ -97,8 +103,15 @@ def print_rules(console: Console, title: str, rows: Sequence[dict[str, Any]]) ->
             _seconds(row["minimum_s"]),
             _seconds(row["maximum_s"]),
             f"{row['time_probability']:.2f}" if row["time_probability"] is not None else "",
+            *([_waits_for(row)] if row["trigger"] and first else []),
         )
     console.print(table)
+
+
+def _waits_for(row: dict[str, Any]) -> Text:
+    """`DCHA-ADV_ON + 0.02`, the later of two where it waits for both."""
+    states = row["trigger"].replace(f"{row['group']}-", "")
+    return Text(f"{states} + {row['trigger_average_s']:.2f}")
 
 
 def counted(number: int, noun: str) -> str:

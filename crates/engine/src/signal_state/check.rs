@@ -9,8 +9,8 @@
 
 use crate::finding::Kind;
 use crate::log::SECOND;
-use crate::timing::limits::{BODY_INSTANCES, plat_allowance_s};
 use crate::timing::TimeCluster;
+use crate::timing::limits::{BODY_INSTANCES, plat_allowance_s};
 
 use super::chains::ChainKind;
 use super::model::NominalModel;

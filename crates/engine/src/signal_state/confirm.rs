@@ -50,9 +50,9 @@ impl NominalModel {
         let group = finding.group.as_deref().unwrap_or_default();
         let device = (finding.model == crate::finding::Model::Device)
             .then(|| finding.device.as_deref().unwrap_or_default());
-        let chain = self.find_chain(group, device).ok_or_else(|| {
-            other(format!("device '{group}-{}'", device.unwrap_or_default()))
-        })?;
+        let chain = self
+            .find_chain(group, device)
+            .ok_or_else(|| other(format!("device '{group}-{}'", device.unwrap_or_default())))?;
         let names = StateNames::of(&self.plant);
         let mut states = self.states.clone();
         let mut path = Vec::with_capacity(finding.path.len());

@@ -23,7 +23,9 @@ impl NominalModel {
         };
         let rules = self.rules_of(chain);
         let mut text = format!("digraph {} {{\n", quoted(&title));
-        text.push_str("  rankdir=TB;\n  node [shape=ellipse, fontname=\"Helvetica\", fontsize=12];\n");
+        text.push_str(
+            "  rankdir=TB;\n  node [shape=ellipse, fontname=\"Helvetica\", fontsize=12];\n",
+        );
         text.push_str("  edge [fontname=\"Helvetica\", fontsize=10];\n");
         let _ = writeln!(text, "  label={}; labelloc=t;", quoted(&title));
         let mut named = BTreeSet::new();
@@ -53,8 +55,11 @@ impl NominalModel {
             for trigger in rule.trigger.iter().flat_map(Trigger::states) {
                 if named.insert(trigger) {
                     let label = quoted(&self.short_state_name(trigger, ChainKind::Group));
-                    let _ =
-                        writeln!(text, "  {} [label={label}, shape=box, style=dashed];", node(trigger));
+                    let _ = writeln!(
+                        text,
+                        "  {} [label={label}, shape=box, style=dashed];",
+                        node(trigger)
+                    );
                 }
                 let delay = rule.judged().iter().map(|c| c.average_s).fold(0.0, f64::max);
                 let _ = writeln!(

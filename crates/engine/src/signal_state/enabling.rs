@@ -244,12 +244,7 @@ impl<'a> Search<'a> {
 
     /// Sorted delays of all instances from the later of the states; `None` where more than a few
     /// instances came without a fresh one: each occurrence enables a transition once.
-    fn delays(
-        &self,
-        instances: &[u32],
-        states: [StateId; 2],
-        next: StateId,
-    ) -> Option<Vec<f64>> {
+    fn delays(&self, instances: &[u32], states: [StateId; 2], next: StateId) -> Option<Vec<f64>> {
         let mut delays: Vec<f64> = Vec::with_capacity(instances.len());
         let mut cursors = [0usize; 2];
         let entries = &self.by_state[next as usize];
@@ -271,7 +266,8 @@ impl<'a> Search<'a> {
                     other.run < here.run || (other.run == here.run && other.time <= here.time)
                 };
                 *cursor += occurrences[*cursor..].iter().take_while(|o| reached(o)).count();
-                let last = cursor.checked_sub(1).map(|at| self.happenings[occurrences[at] as usize]);
+                let last =
+                    cursor.checked_sub(1).map(|at| self.happenings[occurrences[at] as usize]);
                 let time = last.filter(|l| l.run == here.run).map(|l| l.time);
                 fresh &= time.is_some() && time >= before;
                 latest = latest.max(time);

@@ -77,7 +77,8 @@ impl Evidence {
     pub fn odd_time(&self, rule: &Rule, time_s: f64) -> f64 {
         let tally = Tally { once: rare_instances(rule) as f64, draws: rule.evidence() as f64 };
         let longest = rule.judged().iter().map(|c| c.maximum_s).fold(0.0, f64::max);
-        let beyond = if time_s > longest && time_s > 0.0 { longest.max(1e-3) / time_s } else { 1.0 };
+        let beyond =
+            if time_s > longest && time_s > 0.0 { longest.max(1e-3) / time_s } else { 1.0 };
         tally.unseen(self.time_by_chain[rule.chain]) * beyond.min(1.0)
     }
 }

@@ -60,7 +60,8 @@ impl Incident {
         let joined = open.as_mut().filter(|incident| {
             // What waits has been waiting since before it is told: a stop belongs to what went wrong
             // shortly before the group's last event.
-            let began = if is_delay(occurrence.kind) { occurrence.waiting_since } else { occurrence.time };
+            let began =
+                if is_delay(occurrence.kind) { occurrence.waiting_since } else { occurrence.time };
             began.saturating_sub(incident.last) <= fresh_for
         });
         if let Some(incident) = joined {

@@ -53,7 +53,12 @@ fn first_suspect(finding: &Finding) -> String {
 }
 
 /// An unknown transition.
-pub fn transition(model: &NominalModel, from: StateId, finding: &Finding, kind: ChainKind) -> String {
+pub fn transition(
+    model: &NominalModel,
+    from: StateId,
+    finding: &Finding,
+    kind: ChainKind,
+) -> String {
     let learned: u64 =
         model.rules[model.table.row(row_of(from, kind))].iter().map(|rule| rule.count).sum();
     let to = finding.to.as_deref().unwrap_or_default();
@@ -93,12 +98,7 @@ fn state_text_of(model: &NominalModel, state: StateId, kind: ChainKind) -> Strin
 }
 
 /// A transition that took too long or too short.
-pub fn time(
-    model: &NominalModel,
-    rule: usize,
-    from_trigger: bool,
-    finding: &Finding,
-) -> String {
+pub fn time(model: &NominalModel, rule: usize, from_trigger: bool, finding: &Finding) -> String {
     let rule = &model.rules[rule];
     let kind = model.kind(rule.chain);
     let (observed, limit) =

@@ -79,9 +79,7 @@ impl NominalModel {
                 Timing::Plat => limits::plat(&rule.clusters, parameters.allowance_s),
                 // A group's chain repeats what its devices' chains say more sharply.
                 Timing::Adaptive if chains.kind(rule.chain) == ChainKind::Group => Vec::new(),
-                Timing::Adaptive => {
-                    limits::adaptive(rule.judged(), budget.per_time, resolution_s)
-                }
+                Timing::Adaptive => limits::adaptive(rule.judged(), budget.per_time, resolution_s),
             })
             .collect();
         let accepted_without = rules

@@ -502,7 +502,8 @@ impl Monitor {
             let waits = (0..index).any(|earlier| {
                 !order.contains(&earlier) && self.signal_value(events[earlier].state).0 == signal
             });
-            let known = state == NO_STATE || self.model.table.find(row_of(state, kind), next).is_some();
+            let known =
+                state == NO_STATE || self.model.table.find(row_of(state, kind), next).is_some();
             if order.contains(&index) || waits || !known {
                 continue;
             }
@@ -639,7 +640,8 @@ impl Monitor {
         }
         let seconds = timed.seconds;
         let clusters = self.model.rules[rule].judged();
-        let nearest = if clusters.len() == 1 { Some(0) } else { timing::nearest(clusters, seconds) };
+        let nearest =
+            if clusters.len() == 1 { Some(0) } else { timing::nearest(clusters, seconds) };
         if let Some(nearest) = nearest {
             let cluster = self.cluster_start[rule] as usize + nearest;
             self.watch.cluster_counts[cluster] += 1;
@@ -880,7 +882,9 @@ impl Monitor {
             return;
         }
         self.watch.group_cycles[group] += 1;
-        if self.watch.group_cycles[group].is_multiple_of(u64::from(self.model.parameters.check_every)) {
+        if self.watch.group_cycles[group]
+            .is_multiple_of(u64::from(self.model.parameters.check_every))
+        {
             self.check(group, time);
         }
     }
@@ -909,7 +913,8 @@ impl Monitor {
         for index in 0..model.rules.len() {
             if model.chains.group_of(model.rules[index].chain) == group {
                 self.watch.counts[index] = 0;
-                let clusters = self.cluster_start[index] as usize..self.cluster_start[index + 1] as usize;
+                let clusters =
+                    self.cluster_start[index] as usize..self.cluster_start[index + 1] as usize;
                 self.watch.cluster_counts[clusters.clone()].fill(0);
                 self.watch.cluster_sums_s[clusters].fill(0.0);
             }
@@ -1014,7 +1019,8 @@ impl Monitor {
 /// Which limit a time broke, and where that limit lies.
 fn broken_limit(accepted: &[Accepted], seconds: f64) -> (Kind, f64) {
     let late = accepted.iter().map(|a| a.late_s).filter(|&limit| limit < seconds).reduce(f64::max);
-    let early = accepted.iter().map(|a| a.early_s).filter(|&limit| limit > seconds).reduce(f64::min);
+    let early =
+        accepted.iter().map(|a| a.early_s).filter(|&limit| limit > seconds).reduce(f64::min);
     match (late, early) {
         (Some(late), Some(early)) if early - seconds < seconds - late => (Kind::Early, early),
         (Some(late), _) => (Kind::Late, late),

@@ -117,8 +117,6 @@ impl StateNames {
             let (signal, value) = name.rsplit_once('=')?;
             Some((*self.signals.get(signal)?, value.parse().ok()?))
         };
-        boolean
-            .and_then(|(signal, value)| Some((*self.signals.get(signal)?, value)))
-            .or_else(word)
+        boolean.and_then(|(signal, value)| Some((*self.signals.get(signal)?, value))).or_else(word)
     }
 }

@@ -77,9 +77,11 @@ fn k_means(sorted: &[f64], mut ends: Vec<usize>) -> Vec<usize> {
         ends = assign(sorted, &means);
         let moved: Vec<f64> = partitions(sorted, &ends)
             .zip(&means)
-            .map(|(partition, &before)| {
-                if partition.is_empty() { before } else { super::mean(partition) }
-            })
+            .map(
+                |(partition, &before)| {
+                    if partition.is_empty() { before } else { super::mean(partition) }
+                },
+            )
             .collect();
         let settled = means.iter().zip(&moved).all(|(a, b)| (a - b).abs() <= MEANS_EQUAL_S);
         means = moved;

@@ -115,7 +115,8 @@ fn best_starts(sorted: &[f64], points: &[Point], floor: f64) -> Vec<usize> {
     let total = sorted.len() as f64;
     let at_most = CLUSTERS_AT_MOST.min(n);
     // costs[j]: least cost of the first j points in k clusters; cut[k][j]: where the last starts.
-    let mut costs: Vec<f64> = (0..=n).map(|j| if j == 0 { 0.0 } else { prefix.cost(0, j) }).collect();
+    let mut costs: Vec<f64> =
+        (0..=n).map(|j| if j == 0 { 0.0 } else { prefix.cost(0, j) }).collect();
     let mut cuts: Vec<Vec<usize>> = vec![vec![0; n + 1]];
     let mut best = (criterion(&prefix, &[0], n, total, floor), vec![0]);
     for k in 2..=at_most {
