@@ -64,8 +64,13 @@ pub fn departures(model: &NominalModel, group: usize, window: &Window<'_>) -> Ve
     let mut found = Vec::new();
     for rule in rules {
         found.extend(branch(model, rule, window));
-        found.extend(times(model, rule, window));
-        found.extend(average(model, rule, window));
+        // `adaptive` does not time a group's chain.
+        let timed = model.parameters.timing == Timing::Plat
+            || model.chains.kind(model.rules[rule].chain) == ChainKind::Device;
+        if timed {
+            found.extend(times(model, rule, window));
+            found.extend(average(model, rule, window));
+        }
     }
     found
 }
