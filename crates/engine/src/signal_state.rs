@@ -11,6 +11,7 @@ pub mod enabling;
 pub mod events;
 pub mod evidence;
 pub mod incident;
+pub mod lanes;
 pub mod learn;
 pub mod message;
 pub mod model;

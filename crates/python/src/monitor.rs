@@ -1,6 +1,7 @@
 //! `Monitor`: observe and advance.
 
 use std::collections::HashMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 use pyo3::prelude::*;
@@ -15,6 +16,9 @@ use runglight_engine::signal_state::monitor::{Monitor, MonitorError};
 use crate::change_log::PyChangeLog;
 use crate::errors;
 use crate::findings::PyFindings;
+
+/// Rows handed to the engine at once.
+const CHUNK_ROWS: usize = 1024;
 
 /// Watches one plant.
 #[pyclass(name = "Monitor", module = "runglight._engine")]
@@ -41,23 +45,42 @@ impl PyMonitor {
             .iter()
             .map(|symbol| self.monitor.signal_index(symbol, signals.get(symbol).copied()))
             .collect();
-        let rows: Vec<Row> = (0..log.len())
-            .map(|row| Row {
-                time: log.time[row],
-                signal: numbers[log.signal[row] as usize],
-                value: log.value[row],
-            })
-            .collect();
         let mut findings = Vec::new();
-        let mut rest = rows.as_slice();
+        let mut start = 0;
         for gap in &log.gaps {
-            let (before, after) = rest.split_at(rest.partition_point(|row| row.time < gap.end));
-            findings.extend(self.monitor.observe(before)?);
+            let end = start + log.time[start..].partition_point(|&time| time < gap.end);
+            self.observe_rows(log, start..end, &numbers, &mut findings)?;
             findings.extend(self.monitor.gap(gap.start, gap.end));
-            rest = after;
+            start = end;
         }
-        findings.extend(self.monitor.observe(rest)?);
+        self.observe_rows(log, start..log.len(), &numbers, &mut findings)?;
         Ok(findings)
+    }
+
+    /// Rows of a log in chunks that stay in the processor's cache.
+    fn observe_rows(
+        &mut self,
+        log: &ChangeLog,
+        range: Range<usize>,
+        numbers: &[SignalIndex],
+        findings: &mut Vec<Finding>,
+    ) -> Result<(), MonitorError> {
+        let mut chunk: Vec<Row> = Vec::with_capacity(CHUNK_ROWS);
+        for start in range.clone().step_by(CHUNK_ROWS) {
+            let end = range.end.min(start + CHUNK_ROWS);
+            let columns = log.time[start..end]
+                .iter()
+                .zip(&log.signal[start..end])
+                .zip(&log.value[start..end]);
+            chunk.clear();
+            chunk.extend(columns.map(|((&time, &signal), &value)| Row {
+                time,
+                signal: numbers[signal as usize],
+                value,
+            }));
+            findings.extend(self.monitor.observe(&chunk)?);
+        }
+        Ok(())
     }
 }
 

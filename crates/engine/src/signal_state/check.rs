@@ -13,27 +13,10 @@ use crate::timing::TimeCluster;
 use crate::timing::limits::{BODY_INSTANCES, plat_allowance_s};
 
 use super::chains::ChainKind;
+use super::lanes::Lanes;
 use super::model::NominalModel;
 use super::parameters::Timing;
 use super::rules::row_of;
-
-/// Counters since the last check.
-pub struct Window<'a> {
-    /// Per rule.
-    pub counts: &'a [u32],
-    /// Per cluster.
-    pub cluster_counts: &'a [u32],
-    /// Per cluster, in seconds.
-    pub cluster_sums_s: &'a [f64],
-    /// First cluster of each rule, and one past the last.
-    pub cluster_start: &'a [u32],
-}
-
-impl Window<'_> {
-    fn clusters(&self, rule: usize) -> std::ops::Range<usize> {
-        self.cluster_start[rule] as usize..self.cluster_start[rule + 1] as usize
-    }
-}
 
 /// One share or average that has changed.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,43 +39,43 @@ pub struct Departure {
 const OBSERVATIONS_AT_LEAST: u32 = 5;
 
 /// All departures of a group, causes first.
-pub fn departures(model: &NominalModel, group: usize, window: &Window<'_>) -> Vec<Departure> {
+pub fn departures(model: &NominalModel, group: usize, lanes: &Lanes) -> Vec<Departure> {
     let mut rules: Vec<usize> = (0..model.rules.len())
         .filter(|&rule| model.chains.group_of(model.rules[rule].chain) == group)
         .collect();
     rules.sort_by_key(|&rule| model.rules[rule].sequence);
     let mut found = Vec::new();
     for rule in rules {
-        found.extend(branch(model, rule, window));
+        found.extend(branch(model, rule, lanes));
         // `adaptive` does not time a group's chain.
         let timed = model.parameters.timing == Timing::Plat
             || model.chains.kind(model.rules[rule].chain) == ChainKind::Device;
         if timed {
-            found.extend(times(model, rule, window));
-            found.extend(average(model, rule, window));
+            found.extend(times(model, rule, lanes));
+            found.extend(average(model, rule, lanes));
         }
     }
     found
 }
 
 /// The branches out of a state, reported once, at the first of them.
-fn branch(model: &NominalModel, rule: usize, window: &Window<'_>) -> Option<Departure> {
+fn branch(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure> {
     let kind: ChainKind = model.chains.kind(model.rules[rule].chain);
     let row = model.table.row(row_of(model.rules[rule].current, kind));
     let first = row.clone().min_by_key(|&r| model.rules[r].sequence)?;
-    let total: u32 = row.clone().map(|r| window.counts[r]).sum();
+    let total: u32 = row.clone().map(|r| lanes.lane(r).count).sum();
     if first != rule || total == 0 || row.len() < 2 {
         return None;
     }
     let learned_total: u64 = row.clone().map(|r| model.rules[r].count).sum();
-    let share = |r: usize| f64::from(window.counts[r]) / f64::from(total);
+    let share = |r: usize| f64::from(lanes.lane(r).count) / f64::from(total);
     let changed = row
         .clone()
         .filter(|&r| {
             let learned = &model.rules[r];
             share_changed(
                 model,
-                (window.counts[r], total),
+                (lanes.lane(r).count, total),
                 (learned.probability, learned_total),
                 learned.dispersion,
             )
@@ -112,23 +95,23 @@ fn branch(model: &NominalModel, rule: usize, window: &Window<'_>) -> Option<Depa
 }
 
 /// The several times of one transition.
-fn times(model: &NominalModel, rule: usize, window: &Window<'_>) -> Option<Departure> {
+fn times(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure> {
     let clusters = model.rules[rule].judged();
-    let counts = &window.cluster_counts[window.clusters(rule)];
-    let total: u32 = counts.iter().sum();
+    let bands = lanes.bands(rule);
+    let total: u32 = bands.iter().map(|band| band.count).sum();
     if clusters.len() < 2 || total == 0 {
         return None;
     }
-    let changed = clusters.iter().zip(counts).any(|(cluster, &count)| {
+    let changed = clusters.iter().zip(bands).any(|(cluster, band)| {
         share_changed(
             model,
-            (count, total),
+            (band.count, total),
             (cluster.probability, model.rules[rule].count),
             cluster.dispersion,
         )
     });
     let observed_shares: Vec<f64> =
-        counts.iter().map(|&count| f64::from(count) / f64::from(total)).collect();
+        bands.iter().map(|band| f64::from(band.count) / f64::from(total)).collect();
     changed.then(|| Departure {
         kind: Kind::TimeProbability,
         rule,
@@ -139,27 +122,23 @@ fn times(model: &NominalModel, rule: usize, window: &Window<'_>) -> Option<Depar
     })
 }
 
-fn average(model: &NominalModel, rule: usize, window: &Window<'_>) -> Option<Departure> {
-    let range = window.clusters(rule);
-    let counts = &window.cluster_counts[range.clone()];
-    let sums = &window.cluster_sums_s[range];
+fn average(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure> {
     let single = model.rules[rule].judged().len() == 1;
-    model.rules[rule].judged().iter().zip(counts.iter().zip(sums)).find_map(
-        |(cluster, (&count, &sum))| {
-            if count == 0 {
-                return None;
-            }
-            let observed = sum / f64::from(count);
-            mean_changed(model, cluster, observed, count, single).then(|| Departure {
-                kind: Kind::AverageTime,
-                rule,
-                observed,
-                learned: cluster.average_s,
-                observed_shares: Vec::new(),
-                learned_shares: Vec::new(),
-            })
-        },
-    )
+    model.rules[rule].judged().iter().zip(lanes.bands(rule)).find_map(|(cluster, band)| {
+        let count = band.count;
+        if count == 0 {
+            return None;
+        }
+        let observed = band.sum as f64 / SECOND as f64 / f64::from(count);
+        mean_changed(model, cluster, observed, count, single).then(|| Departure {
+            kind: Kind::AverageTime,
+            rule,
+            observed,
+            learned: cluster.average_s,
+            observed_shares: Vec::new(),
+            learned_shares: Vec::new(),
+        })
+    })
 }
 
 fn share_changed(

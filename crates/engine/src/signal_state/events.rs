@@ -6,6 +6,8 @@
 //! values other than 0 only is what PLAT's logger writes (the signals that are ON), and those
 //! rows are events: the paper's first cycle begins `RET_ON → PRT_CHK_ON`.
 
+use std::collections::BTreeMap;
+
 use crate::log::SignalIndex;
 
 /// One row on its way to being an event.
@@ -31,18 +33,23 @@ pub enum Meaning {
     Doubtful,
 }
 
-/// The last value of every signal.
+/// The last value of every signal: a byte for the values nearly all of them have.
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Values {
-    last: Vec<Option<i64>>,
+    last: Vec<u8>,
+    /// Values other than 0 and 1.
+    words: BTreeMap<SignalIndex, i64>,
     /// Signals not seen again since a gap; empty where there was none.
     doubted: Vec<bool>,
 }
 
+const UNKNOWN: u8 = 2;
+const WORD: u8 = 3;
+
 impl Values {
     /// No value known yet.
     pub fn new(signals: usize) -> Self {
-        Self { last: vec![None; signals], doubted: Vec::new() }
+        Self { last: vec![UNKNOWN; signals], words: BTreeMap::new(), doubted: Vec::new() }
     }
 
     /// Takes a row in and says what it means.
@@ -52,12 +59,17 @@ impl Values {
             Some(doubted) => std::mem::replace(doubted, false),
             None => false,
         };
-        let last = &mut self.last[signal as usize];
-        if *last == Some(value) {
-            return if doubted { Meaning::Doubtful } else { Meaning::Sample };
+        let byte = if value & !1 == 0 { value as u8 } else { WORD };
+        let last = std::mem::replace(&mut self.last[signal as usize], byte);
+        let same = last == byte && (byte != WORD || self.words.get(&signal) == Some(&value));
+        if byte == WORD && !same {
+            self.words.insert(signal, value);
         }
-        *last = Some(value);
-        Meaning::Event
+        match (same, doubted) {
+            (false, _) => Meaning::Event,
+            (true, true) => Meaning::Doubtful,
+            (true, false) => Meaning::Sample,
+        }
     }
 
     /// A gap: every signal may have changed unseen.

@@ -11,12 +11,13 @@ use thiserror::Error;
 
 use crate::finding::{Expected, Finding, Kind, Model, Severity, State, stable_id};
 use crate::log::{Nanoseconds, SECOND, SignalIndex};
-use crate::timing;
 use crate::timing::limits::Accepted;
 
 use super::chains::{ChainIndex, ChainKind};
+use super::enabling::Trigger;
 use super::events::{Meaning, Row, Values, is_image};
 use super::incident::{Incident, Occurrence};
+use super::lanes::{Counters, Lanes};
 use super::message;
 use super::model::NominalModel;
 use super::order::ScanOrder;
@@ -71,21 +72,24 @@ struct OpenPath {
     known: u8,
 }
 
-/// Everything that changes while watching.
+/// Where a chain stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+struct Here {
+    state: StateId,
+    since: Nanoseconds,
+}
+
+const NOWHERE: Here = Here { state: NO_STATE, since: 0 };
+
+/// Everything that changes while watching, but for the counters in [`Lanes`].
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 struct Watch {
     values: Values,
-    /// Per chain: present state and since when.
-    state: Vec<StateId>,
-    since: Vec<Nanoseconds>,
+    /// Per chain.
+    here: Vec<Here>,
     /// Per state: when it was last entered, for transitions it enables.
     entered: Vec<Nanoseconds>,
     off_path: Vec<bool>,
-    /// Per rule since the last check.
-    counts: Vec<u32>,
-    /// Per cluster since the last check.
-    cluster_counts: Vec<u32>,
-    cluster_sums_s: Vec<f64>,
     group_cycles: Vec<u64>,
     /// Per group: time and state of its latest event of any signal.
     group_last: Vec<Nanoseconds>,
@@ -113,6 +117,7 @@ struct Saved {
     version: u32,
     fingerprint: u64,
     watch: Watch,
+    counters: Counters,
 }
 
 const STATE_VERSION: u32 = 1;
@@ -131,7 +136,7 @@ struct Entry {
 struct Timed {
     /// Since when it was due.
     since: Nanoseconds,
-    seconds: f64,
+    took: Nanoseconds,
     /// Measured as the rule's times were learned.
     as_learned: bool,
 }
@@ -140,8 +145,11 @@ impl Timed {
     #[inline]
     fn new(since: Nanoseconds, time: Nanoseconds, as_learned: bool) -> Self {
         // In a scan whose order was mended, time may seem to run backwards.
-        let seconds = time.saturating_sub(since).max(0) as f64 / SECOND as f64;
-        Self { since, seconds, as_learned }
+        Self { since, took: time.saturating_sub(since).max(0), as_learned }
+    }
+
+    fn seconds(self) -> f64 {
+        self.took as f64 / SECOND as f64
     }
 }
 
@@ -150,9 +158,7 @@ impl Timed {
 pub struct Monitor {
     model: Arc<NominalModel>,
     order: Option<ScanOrder>,
-    cluster_start: Vec<u32>,
-    /// Per rule: the states that enable it, from the later of which its time runs.
-    triggers: Vec<[StateId; 2]>,
+    lanes: Lanes,
     stall_after: Vec<Nanoseconds>,
     fresh_for: Nanoseconds,
     watch: Watch,
@@ -166,22 +172,11 @@ impl Monitor {
         let signals = model.plant.signals.len();
         let chains = model.chains.len();
         let groups = model.plant.groups.len();
-        let mut cluster_start = Vec::with_capacity(model.rules.len() + 1);
-        let mut clusters = 0u32;
-        for rule in &model.rules {
-            cluster_start.push(clusters);
-            clusters += rule.judged().len() as u32;
-        }
-        cluster_start.push(clusters);
         let watch = Watch {
             values: Values::new(signals),
-            state: vec![NO_STATE; chains],
-            since: vec![0; chains],
+            here: vec![NOWHERE; chains],
             entered: vec![NEVER; model.states.len()],
             off_path: vec![false; chains],
-            counts: vec![0; model.rules.len()],
-            cluster_counts: vec![0; clusters as usize],
-            cluster_sums_s: vec![0.0; clusters as usize],
             group_cycles: vec![0; groups],
             group_last: vec![Nanoseconds::MAX; groups],
             group_last_state: vec![NO_STATE; groups],
@@ -203,12 +198,7 @@ impl Monitor {
                 .then(|| ScanOrder::of(&model.plant)),
             stall_after: (0..groups).map(|group| model.stall_after(group)).collect(),
             fresh_for: (model.parameters.return_within_s * SECOND as f64) as Nanoseconds,
-            cluster_start,
-            triggers: model
-                .rules
-                .iter()
-                .map(|rule| rule.trigger.as_ref().map_or([NO_STATE; 2], |t| t.states))
-                .collect(),
+            lanes: Lanes::of(&model),
             watch,
             findings: Vec::new(),
             scratch: Vec::new(),
@@ -252,8 +242,13 @@ impl Monitor {
             }
             newest = row.time;
         }
-        for row in rows {
-            self.take(*row);
+        let mut rest = rows;
+        while let [row, after @ ..] = rest {
+            match after {
+                [next, ..] if self.stands_alone(*row, *next) => self.take_alone(*row),
+                _ => self.take(*row),
+            }
+            rest = after;
         }
         Ok(std::mem::take(&mut self.findings))
     }
@@ -276,7 +271,7 @@ impl Monitor {
         self.complete_scan();
         let watch = &mut self.watch;
         watch.now = watch.now.max(end);
-        watch.state.fill(NO_STATE);
+        watch.here.fill(NOWHERE);
         watch.entered.fill(NEVER);
         watch.off_path.fill(false);
         watch.open.clear();
@@ -307,6 +302,7 @@ impl Monitor {
             version: STATE_VERSION,
             fingerprint: self.model.fingerprint(),
             watch: self.watch.clone(),
+            counters: self.lanes.counters(),
         };
         let mut bytes = postcard::to_stdvec(&saved).unwrap_or_default();
         let checksum = xxhash_rust::xxh3::xxh3_64(&bytes);
@@ -332,6 +328,9 @@ impl Monitor {
         }
         let mut monitor = Self::new(model);
         monitor.watch = saved.watch;
+        if !monitor.lanes.set_counters(&saved.counters) {
+            return Err(MonitorError::Damaged);
+        }
         Ok(monitor)
     }
 
@@ -347,6 +346,30 @@ impl Monitor {
             self.model.states.signal_value(state)
         } else {
             self.watch.further[state as usize - known]
+        }
+    }
+
+    /// True where a row is a scan of its own and nothing else is due before it.
+    #[inline]
+    fn stands_alone(&self, row: Row, next: Row) -> bool {
+        let age = next.time.saturating_sub(row.time);
+        self.watch.pending.is_empty()
+            && age > 0
+            && age >= self.model.learned.scan_window
+            && row.time < self.watch.next_deadline
+            && self.watch.started
+            && !self.watch.resynchronise
+            && (row.signal as usize) < self.model.plant.signals.len()
+    }
+
+    /// What [`Self::take`] comes to for a row that stands alone.
+    #[inline]
+    fn take_alone(&mut self, row: Row) {
+        self.watch.now = row.time;
+        match self.watch.values.take(row.signal, row.value) {
+            Meaning::Event => self.step_event(row),
+            Meaning::Doubtful => self.lose_sight(row.signal),
+            Meaning::Sample => {}
         }
     }
 
@@ -420,7 +443,7 @@ impl Monitor {
     fn lose_sight(&mut self, signal: SignalIndex) {
         let device = self.model.chains.device_chain(signal);
         for chain in [Some(device), self.model.chains.group_chain(signal)].into_iter().flatten() {
-            self.watch.state[chain] = NO_STATE;
+            self.watch.here[chain] = NOWHERE;
         }
     }
 
@@ -468,14 +491,14 @@ impl Monitor {
             return;
         }
         let mut order: Vec<usize> = Vec::with_capacity(events.len());
-        if self.find_order(self.watch.state[chain], kind, events, &mut order) {
+        if self.find_order(self.watch.here[chain].state, kind, events, &mut order) {
             let found: Vec<_> = order.iter().map(|&index| events[index]).collect();
             events.copy_from_slice(&found);
         }
     }
 
     fn knows(&self, chain: ChainIndex, kind: ChainKind, events: &[Entry]) -> bool {
-        let mut state = self.watch.state[chain];
+        let mut state = self.watch.here[chain].state;
         events.iter().all(|event| {
             let known = state == NO_STATE
                 || self.model.table.find(row_of(state, kind), event.state).is_some();
@@ -535,9 +558,10 @@ impl Monitor {
     #[inline]
     fn enter(&mut self, row: Row) -> Entry {
         let state = self.intern(row.signal, row.value);
-        let before = match self.watch.entered.get_mut(state as usize) {
-            Some(entered) => std::mem::replace(entered, row.time),
-            None => NEVER,
+        let before = if self.lanes.tracks(state) {
+            std::mem::replace(&mut self.watch.entered[state as usize], row.time)
+        } else {
+            NEVER
         };
         let chains = &self.model.chains;
         let group = chains.group_of(chains.device_chain(row.signal));
@@ -547,41 +571,50 @@ impl Monitor {
         if deadline < self.watch.next_deadline {
             self.watch.next_deadline = deadline;
         }
-        if let Some(mut stall) = self.watch.group_stalled[group].take() {
-            stall.state = State::Returned;
-            stall.time = row.time;
-            stall.message = message::stall_returned(&stall);
-            self.findings.push(stall);
+        if self.watch.group_stalled[group].is_some() {
+            self.stall_returned(group, row.time);
         }
         Entry { state, time: row.time, before }
     }
 
-    /// One chain moves on to `state`.
+    #[cold]
+    fn stall_returned(&mut self, group: usize, time: Nanoseconds) {
+        if let Some(mut stall) = self.watch.group_stalled[group].take() {
+            stall.state = State::Returned;
+            stall.time = time;
+            stall.message = message::stall_returned(&stall);
+            self.findings.push(stall);
+        }
+    }
+
+    /// One chain moves on to a state.
     #[inline]
     fn step(&mut self, chain: ChainIndex, kind: ChainKind, event: Entry) {
-        let Entry { state, time, .. } = event;
-        let from = std::mem::replace(&mut self.watch.state[chain], state);
-        let since = std::mem::replace(&mut self.watch.since[chain], time);
-        if from == NO_STATE {
+        let here = &mut self.watch.here[chain];
+        let from = std::mem::replace(here, Here { state: event.state, since: event.time });
+        if from.state == NO_STATE {
             return;
         }
-        match self.model.table.find(row_of(from, kind), state) {
+        match self.lanes.find(self.model.table.row(row_of(from.state, kind)), event.state) {
             Some(rule) => {
-                let timed = self.timed(rule, since, event);
-                if self.in_time(rule, timed) {
-                    self.count(rule, timed);
+                let timed = self.timed(rule, from.since, event);
+                let in_time = if timed.as_learned {
+                    self.lanes.take(rule, timed.took)
                 } else {
-                    self.report_time(chain, kind, rule, time, timed);
+                    self.take_without_trigger(rule, timed)
+                };
+                if !in_time {
+                    self.report_time(chain, kind, rule, event.time, timed);
                 }
                 if self.watch.off_path[chain] {
-                    self.known_step(chain, state, time);
+                    self.known_step(chain, event.state, event.time);
                 }
             }
-            None if self.watch.off_path[chain] => self.unknown_step(chain, state),
-            None => self.report_unknown(chain, kind, from, state, since, time),
+            None if self.watch.off_path[chain] => self.unknown_step(chain, event.state),
+            None => self.report_unknown(chain, kind, from, event),
         }
         if kind == ChainKind::Group {
-            self.close_cycle(chain, state, time);
+            self.close_cycle(chain, event.state, event.time);
         }
     }
 
@@ -589,38 +622,33 @@ impl Monitor {
     /// since the device's own last event.
     #[inline]
     fn timed(&self, rule: usize, own: Nanoseconds, event: Entry) -> Timed {
-        let [one, other] = self.triggers[rule];
-        if one == NO_STATE {
+        if !self.lanes.waits(rule) {
             return Timed::new(own, event.time, true);
         }
-        let first = self.watch.entered[one as usize];
-        let second = if other == NO_STATE { first } else { self.watch.entered[other as usize] };
-        let fresh = first.min(second) >= event.before && first.min(second) != NEVER;
-        Timed::new(if fresh { first.max(second) } else { own }, event.time, fresh)
+        match Trigger::due(self.lanes.trigger(rule), &self.watch.entered, event.before) {
+            Some(due) => Timed::new(due, event.time, true),
+            None => Timed::new(own, event.time, false),
+        }
+    }
+
+    /// A transition that happened without its enabling event, judged by the device's own times.
+    fn take_without_trigger(&mut self, rule: usize, timed: Timed) -> bool {
+        let accepted = self.accepted(rule, timed);
+        let seconds = timed.seconds();
+        let in_time = accepted.is_empty()
+            || accepted.iter().any(|a| seconds >= a.early_s && seconds <= a.late_s);
+        if in_time {
+            self.lanes.take_untimed(rule);
+        }
+        in_time
     }
 
     /// Accepted times of a rule: since its enabling event, or without one.
-    #[inline]
     fn accepted(&self, rule: usize, timed: Timed) -> &[Accepted] {
         if timed.as_learned {
             &self.model.accepted[rule]
         } else {
             self.model.accepted_without.get(&rule).map_or(&[], Vec::as_slice)
-        }
-    }
-
-    #[inline]
-    fn in_time(&self, rule: usize, timed: Timed) -> bool {
-        let (accepted, seconds) = (self.accepted(rule, timed), timed.seconds);
-        match self.model.parameters.timing {
-            Timing::Adaptive => {
-                accepted.is_empty()
-                    || accepted.iter().any(|a| seconds >= a.early_s && seconds <= a.late_s)
-            }
-            // "The maximum transition time instance that is most similar to the query" decides.
-            Timing::Plat => self
-                .nearest_maximum(rule, seconds)
-                .is_none_or(|cluster| seconds <= accepted[cluster].late_s),
         }
     }
 
@@ -632,23 +660,6 @@ impl Monitor {
         })
     }
 
-    #[inline]
-    fn count(&mut self, rule: usize, timed: Timed) {
-        self.watch.counts[rule] += 1;
-        if !timed.as_learned {
-            return;
-        }
-        let seconds = timed.seconds;
-        let clusters = self.model.rules[rule].judged();
-        let nearest =
-            if clusters.len() == 1 { Some(0) } else { timing::nearest(clusters, seconds) };
-        if let Some(nearest) = nearest {
-            let cluster = self.cluster_start[rule] as usize + nearest;
-            self.watch.cluster_counts[cluster] += 1;
-            self.watch.cluster_sums_s[cluster] += seconds;
-        }
-    }
-
     fn report_time(
         &mut self,
         chain: ChainIndex,
@@ -658,7 +669,7 @@ impl Monitor {
         timed: Timed,
     ) {
         let model = Arc::clone(&self.model);
-        let seconds = timed.seconds;
+        let seconds = timed.seconds();
         let (found, limit_s) = match model.parameters.timing {
             Timing::Plat => {
                 let limits = &model.accepted[rule];
@@ -688,10 +699,8 @@ impl Monitor {
         &mut self,
         chain: ChainIndex,
         kind: ChainKind,
-        from: StateId,
-        to: StateId,
-        since: Nanoseconds,
-        time: Nanoseconds,
+        Here { state: from, since }: Here,
+        Entry { state: to, time, .. }: Entry,
     ) {
         let model = Arc::clone(&self.model);
         let unseen = if model.parameters.timing == Timing::Plat {
@@ -891,13 +900,7 @@ impl Monitor {
 
     fn check(&mut self, group: usize, time: Nanoseconds) {
         let model = Arc::clone(&self.model);
-        let window = super::check::Window {
-            counts: &self.watch.counts,
-            cluster_counts: &self.watch.cluster_counts,
-            cluster_sums_s: &self.watch.cluster_sums_s,
-            cluster_start: &self.cluster_start,
-        };
-        let departures = super::check::departures(&model, group, &window);
+        let departures = super::check::departures(&model, group, &self.lanes);
         for departure in departures {
             let rule = &model.rules[departure.rule];
             let kind = model.chains.kind(rule.chain);
@@ -912,11 +915,7 @@ impl Monitor {
         }
         for index in 0..model.rules.len() {
             if model.chains.group_of(model.rules[index].chain) == group {
-                self.watch.counts[index] = 0;
-                let clusters =
-                    self.cluster_start[index] as usize..self.cluster_start[index + 1] as usize;
-                self.watch.cluster_counts[clusters.clone()].fill(0);
-                self.watch.cluster_sums_s[clusters].fill(0.0);
+                self.lanes.reset(index);
             }
         }
     }
@@ -1005,8 +1004,8 @@ impl Monitor {
         finding.incident = placement.incident;
         if first && worth && matches!(finding.kind, Kind::Transition | Kind::Stall) {
             let snapshot = Snapshot::of(&self.model, &finding, |chain| {
-                let state = self.watch.state[chain];
-                (state != NO_STATE).then(|| (self.state_name(state), self.watch.since[chain]))
+                let here = self.watch.here[chain];
+                (here.state != NO_STATE).then(|| (self.state_name(here.state), here.since))
             });
             finding.snapshot_id = Some(snapshot.id.clone());
             self.watch.snapshots.push(snapshot);
