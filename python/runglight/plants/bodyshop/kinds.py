@@ -82,7 +82,7 @@ FOLLOWERS = (
         0.25,
         "START+w HomePos-l Running+l START-c",
         (
-            "JOB#+w WorkComp#+p JOB#-c WorkComp#-m",
+            "JOB#+w WorkComp#+p JOB#-c WorkComp#-p",
             "JOB#+p WorkComp#+p JOB#-c WorkComp#-p",
         ),
         "MEASURE+p 0.9<ResultOk+m ResultOk-m|ResultNok+m ResultNok-t> MEASURE-c "
@@ -94,8 +94,8 @@ FOLLOWERS = (
         0.16,
         "ADVANCE+w RetSen-l AdvSen+m ADVANCE-c Coolant+m Overheat+l Overheat-l",
         (
-            "WELD#+w Welded#+p WELD#-c Welded#-m",
-            "WELD#+p Welded#+p WELD#-c Welded#-m",
+            "WELD#+w Welded#+p WELD#-c Welded#-p",
+            "WELD#+p Welded#+p WELD#-c Welded#-p",
         ),
         "TIP_DRESS+m [Coolant-m Overheat+m Overheat-t Coolant+m] TIP_DRESS-m "
         "RETRACT+p AdvSen-l RetSen+m RETRACT-c Coolant-m",
@@ -107,7 +107,7 @@ FOLLOWERS = (
         "RELEASE+w HomePos-l RELEASE-c 0.5<LEFT+c LEFT-m|RIGHT+c RIGHT-m>",
         (
             "PICK#+w Picked#+m PICK#-c Picked#-p",
-            "PICK#+p Picked#+m PICK#-c Picked#-m",
+            "PICK#+p Picked#+m PICK#-c Picked#-p",
         ),
         "CLAMP+c Clamped+m ARM+c ArmOut+m ARM-p ArmOut-m CLAMP-c Clamped-m HomePos+m",
         close_times=True,
@@ -118,7 +118,7 @@ FOLLOWERS = (
         0.09,
         "FORWARD+w RetSen-l AdvSen+m FORWARD-c",
         (
-            "STOP#+w Stopped#+m STOP#-p Stopped#-l",
+            "STOP#+w Stopped#+m STOP#-p Stopped#-p",
             "STOP#+p Stopped#+m STOP#-w Stopped#-p",
         ),
         "BACKWARD+w AdvSen-l RetSen+m BACKWARD-c",
@@ -129,7 +129,7 @@ FOLLOWERS = (
         0.08,
         "FORWARD+w RetSen-l AdvSen+m FORWARD-c",
         (
-            "LIFT#+w Lifted#+m LIFT#-p Lifted#-m",
+            "LIFT#+w Lifted#+m LIFT#-p Lifted#-p",
             "LIFT#+p Lifted#+m LIFT#-p Lifted#-m",
         ),
         "Loaded1-m Loaded2-l BACKWARD+w AdvSen-l RetSen+m BACKWARD-c Loaded1+f Loaded2+m",
@@ -140,7 +140,7 @@ FOLLOWERS = (
         0.05,
         "TURN+w PosA-l PosB+m TURN-c LOCK+c {Locked1+m Locked2+l}",
         (
-            "FIX#+w Fixed#+m FIX#-p Fixed#-m",
+            "FIX#+w Fixed#+m FIX#-p Fixed#-p",
             "FIX#+p Fixed#+m FIX#-w Fixed#-m",
         ),
         "LOCK-w Locked1-l Locked2-l BACK+c PosB-l PosA+m BACK-c",
@@ -151,7 +151,7 @@ FOLLOWERS = (
         0.05,
         "PURGE+w Purged+m PURGE-c Purged-l",
         (
-            "BEAD#+w Sealed#+p BEAD#-c Sealed#-m",
+            "BEAD#+w Sealed#+p BEAD#-c Sealed#-p",
             "BEAD#+p Sealed#+p BEAD#-c Sealed#-p",
         ),
         "CLEAN+w Cleaned+m CLEAN-c Cleaned-l",

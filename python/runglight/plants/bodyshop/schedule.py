@@ -13,6 +13,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from operator import add, gt
 from random import Random
+from typing import NamedTuple
 
 from runglight.plants.bodyshop.layout import Cell, Device
 from runglight.plants.bodyshop.sizes import MINUTE_MS, Size
@@ -23,6 +24,12 @@ BETWEEN_CELLS_MS = 500
 SURELY_LATER_MS = 200
 CANDIDATES = 60
 JOIN_SHARE = 0.35
+SPARE_STEPS = 0.5
+"""With it, a device's last program cannot outlast the takt, however long it takes for one part."""
+
+PROGRAM_SHARE = (0.75, 1.05)
+"""A program's or a wait's part of the share of the takt that is left for each."""
+
 SEVERAL_TIMES_SHARE = 0.33
 SEVERAL_CLOSE_TIMES_SHARE = 0.8
 
@@ -97,8 +104,7 @@ class _Progress:
     """Waits and programs to come."""
 
 
-@dataclass(frozen=True, slots=True)
-class _Candidate:
+class _Candidate(NamedTuple):
     """An event others may wait for."""
 
     row: int
@@ -376,14 +382,14 @@ class _CellPlanner:
         )
 
     def _share_of_takt(self, device: _Progress) -> float:
-        """What is left of the takt for each long step to come, and one to spare."""
+        """What is left of the takt for each long step to come, and some to spare."""
         free = self._latest_end - max(device.most) - device.short_ms
-        return max(free, 0) / (device.long_steps + 1)
+        return max(free, 0) / (device.long_steps + SPARE_STEPS)
 
     def _program(self, share_ms: float) -> tuple[Times, Times]:
         """A timer is exact, a program as exact as its motions."""
         random = self._random
-        middles = [max(share_ms * random.uniform(0.6, 1.0), 500.0)] * self._types
+        middles = [max(share_ms * random.uniform(*PROGRAM_SHARE), 500.0)] * self._types
         if random.random() < SEVERAL_TIMES_SHARE:
             self._apart(middles, lambda at: at * random.uniform(1.08, 1.16))
         jitter = random.uniform(0.001, 0.005) if random.random() < 0.4 else 0.0
@@ -415,7 +421,7 @@ class _CellPlanner:
         ]
         if not later:
             return ()
-        wanted = max(device.most) + share * self._random.uniform(0.5, 1.0)
+        wanted = max(device.most) + share * self._random.uniform(*PROGRAM_SHARE)
         first = min(later, key=lambda event: abs(event.most[0] - wanted))
         rivals = [event for event in later if _either_first(event, first)]
         if rivals and self._random.random() < JOIN_SHARE:

@@ -151,15 +151,20 @@ def _columns(
     bits = states.bit_length()
     state = 2 * np.array(plan.rows.signal) + np.array(plan.rows.value)
     shuffled = np.random.default_rng(seed).permutation(states)
-    key = moments.time_ms // RESOLUTION_MS
-    keys = key.astype(np.int64) << bits
+    # One number holds an event, so one sort of plain numbers brings all into order; in place, as
+    # these arrays are the largest there are.
+    keys = (moments.time_ms // RESOLUTION_MS).astype(np.int64)
+    keys <<= bits
     keys |= shuffled[state][:, np.newaxis]
     keys[moments.skipped_rows] = np.where(moments.skipped, NEVER, keys[moments.skipped_rows])
     keys = keys.ravel()
     keys.sort()
     keys = keys[:events]
-    ticks = keys >> bits
-    if len(ticks) < events or (events and ticks[-1] * RESOLUTION_MS >= moments.complete_ms):
+    state_of = np.argsort(shuffled)
+    places = keys & ((1 << bits) - 1)
+    keys >>= bits
+    if len(keys) < events or (events and keys[-1] * RESOLUTION_MS >= moments.complete_ms):
         raise AssertionError("too few takts were run for so many events")
-    state_of = np.argsort(shuffled)[keys & ((1 << bits) - 1)]
-    return START_NS + ticks * TICK_NS, (state_of >> 1).astype(np.uint32), state_of & 1
+    keys *= TICK_NS
+    keys += START_NS
+    return keys, (state_of >> 1).astype(np.uint32)[places], (state_of & 1)[places]

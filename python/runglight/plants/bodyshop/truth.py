@@ -51,27 +51,26 @@ class Truth:
     def __init__(self, plan: Plan, signals: tuple[str, ...]) -> None:
         self._plan = plan
         self._signals = signals
+        self._causes = {
+            stretch.first: stretch.triggers
+            for stretch in plan.stretches
+            if plan.rows.pace[stretch.first] == "w"
+        }
 
     def triggers(self) -> tuple[Trigger, ...]:
         """Every wait of every device for others."""
-        rows = self._plan.rows
-        causes = {
-            stretch.first: stretch.triggers
-            for stretch in self._plan.stretches
-            if stretch.triggers and rows.pace[stretch.first] == "w"
-        }
         found: list[Trigger] = []
         for planned in self._plan.devices:
             ways: dict[int, list[Transition]] = {}
             for before, row, _ in _ways(self._plan, planned):
-                if row in causes:
+                if self._causes.get(row):
                     ways.setdefault(row, []).append((self._state(before), self._state(row)))
             found.extend(
                 Trigger(
                     planned.device.group,
                     planned.device.name,
                     tuple(transitions),
-                    tuple(self._state(cause) for cause in causes[row]),
+                    tuple(self._state(cause) for cause in self._causes[row]),
                     self._ranges([row]),
                 )
                 for row, transitions in ways.items()
@@ -91,25 +90,21 @@ class Truth:
                     planned.device.group,
                     planned.device.name,
                     transition,
-                    after := self._after(planned, rows[0]),
+                    after := self._after(rows[0]),
                     () if after == "arrival" else self._ranges(rows),
                 )
                 for transition, rows in durations.items()
             )
         return tuple(found)
 
-    def _after(self, planned: PlannedDevice, row: int) -> After:
+    def _after(self, row: int) -> After:
         match self._plan.rows.pace[row]:
             case "w":
-                leads = planned.first == row and not self._has_triggers(row)
-                return "arrival" if leads else "triggers"
+                return "triggers" if self._causes[row] else "arrival"
             case "f":
                 return "people"
             case _:
                 return "device"
-
-    def _has_triggers(self, row: int) -> bool:
-        return self._plan.rows.least[row] != (0,) * self._plan.size.types
 
     def _ranges(self, rows: list[int]) -> tuple[Range, ...]:
         """Times of some rows: the log's clock cuts both ends of a duration off to its tick."""
