@@ -87,9 +87,7 @@ def symbol_table(groups: list[list[Cell]]) -> tuple[Symbol, ...]:
             if name.isupper():
                 address = bit_address("Q", outputs)
                 outputs += 1
-                symbols.append(
-                    Symbol(address, device.group, device.name, name, "output", sentence)
-                )
+                symbols.append(Symbol(address, device.group, device.name, name, "output", sentence))
             else:
                 address = bit_address("I", inputs)
                 inputs += 1

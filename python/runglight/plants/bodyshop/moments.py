@@ -1,11 +1,12 @@
 """A plan run over many takts at once: rows are steps, columns are takts."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
-from runglight.plants.bodyshop.schedule import ALARM_RATE, ARRIVAL_JITTER_MS, Plan
+from runglight.plants.bodyshop.plan import ALARM_RATE, ARRIVAL_JITTER_MS, Plan
 
 LONGEST_TAKT = 1.2
 """Takts vary from the shortest to this multiple of it."""
@@ -86,8 +87,8 @@ def _choices(plan: Plan, takts: Takts, random: np.random.Generator) -> npt.NDArr
     alarm = np.array([share is None for share in plan.shares], dtype=bool)
     taken = random.random((len(shares), takts.count)) < shares[:, np.newaxis]
     usual = taken[~alarm]
-    _assure(usual, True, takts)
-    _assure(usual, False, takts)
+    _assure(usual, 1, takts)
+    _assure(usual, 0, takts)
     taken[~alarm] = usual
     # What is never seen in learning stays unseen in watching.
     seen = taken[:, takts.learn.start : takts.learn.stop].any(axis=1)
@@ -95,24 +96,21 @@ def _choices(plan: Plan, takts: Takts, random: np.random.Generator) -> npt.NDArr
     return taken
 
 
-def _assure(drawn: npt.NDArray[np.generic], outcome: object, takts: Takts) -> None:
+def _assure(drawn: npt.NDArray[Any], outcome: int, takts: Takts) -> None:
     """Sees to it that an outcome happens in every row in both parts.
 
     Different outcomes get different takts, so one does not undo another.
     """
-    offset = int(outcome)  # type: ignore[call-overload]
     for part, least in ((takts.learn, LEARNED_AT_LEAST), (takts.watch, 1)):
         window = drawn[:, part.start : part.stop]
-        spread = np.linspace(0, len(part), least + 2).astype(int)[1:-1] + offset
+        spread = np.linspace(0, len(part), least + 2).astype(int)[1:-1] + outcome
         seldom = (window == outcome).sum(axis=1) < least
         if len(part) > least * 3:
             for place in spread:
                 window[seldom, place] = outcome
 
 
-def _durations(
-    plan: Plan, types: npt.NDArray[np.int8], random: np.random.Generator
-) -> Matrix:
+def _durations(plan: Plan, types: npt.NDArray[np.int8], random: np.random.Generator) -> Matrix:
     """How long each step takes after what it comes after: bounded, most often in the middle."""
     least = np.array(plan.rows.least, dtype=np.int32)
     width = np.array(plan.rows.most, dtype=np.int32) - least + 1
@@ -122,7 +120,9 @@ def _durations(
     drawn += random.random(shape, dtype=np.float32)
     drawn *= np.float32(0.4999999)
     # Doubly drawn and halved it never reaches 1, so no duration passes its greatest.
-    several = np.flatnonzero((least != least[:, :1]).any(axis=1) | (width != width[:, :1]).any(axis=1))
+    several = np.flatnonzero(
+        (least != least[:, :1]).any(axis=1) | (width != width[:, :1]).any(axis=1)
+    )
     cell_of_row = np.empty(len(least), dtype=np.intp)
     for device in plan.devices:
         cell_of_row[device.first : device.end] = device.cell
@@ -137,9 +137,7 @@ def _durations(
     return duration
 
 
-def _arrivals(
-    plan: Plan, takts: Takts, random: np.random.Generator
-) -> tuple[Matrix, int]:
+def _arrivals(plan: Plan, takts: Takts, random: np.random.Generator) -> tuple[Matrix, int]:
     """When a part arrives in each cell; and until when all groups have had all their takts."""
     size = plan.size
     lengths = size.shortest_takt_ms * random.uniform(1, LONGEST_TAKT, (size.groups, takts.count))

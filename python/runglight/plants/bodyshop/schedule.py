@@ -10,83 +10,30 @@ All times in milliseconds; per part type, counted from the arrival of the cell's
 
 import heapq
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from operator import add, gt
 from random import Random
 from typing import NamedTuple
 
+from runglight.plants.bodyshop.durations import PROGRAM_SHARE, Durations
 from runglight.plants.bodyshop.layout import Cell, Device
-from runglight.plants.bodyshop.sizes import MINUTE_MS, Size
-from runglight.plants.bodyshop.steps import Pace, Shape, Step
+from runglight.plants.bodyshop.plan import (
+    ARRIVAL_JITTER_MS,
+    Plan,
+    PlannedDevice,
+    Stretch,
+    Times,
+)
+from runglight.plants.bodyshop.rule_number import swapping_pairs
+from runglight.plants.bodyshop.sizes import Size
+from runglight.plants.bodyshop.steps import Shape
 
-ARRIVAL_JITTER_MS = 1_500
 BETWEEN_CELLS_MS = 500
 SURELY_LATER_MS = 200
 CANDIDATES = 60
 JOIN_SHARE = 0.35
 SPARE_STEPS = 0.5
 """With it, a device's last program cannot outlast the takt, however long it takes for one part."""
-
-PROGRAM_SHARE = (0.75, 1.05)
-"""A program's or a wait's part of the share of the takt that is left for each."""
-
-SEVERAL_TIMES_SHARE = 0.33
-SEVERAL_CLOSE_TIMES_SHARE = 0.8
-
-Times = tuple[int, ...]
-"""Milliseconds by part type."""
-
-
-@dataclass(slots=True)
-class Rows:
-    """Every step of the plant, one row each; the rows of a device are neighbours.
-
-    A row comes `least` to `most` after the one before it or, where a stretch begins, after the
-    later of its triggers.
-    """
-
-    signal: list[int] = field(default_factory=list)
-    value: list[int] = field(default_factory=list)
-    pace: list[Pace] = field(default_factory=list)
-    shape: list[Shape] = field(default_factory=list)
-    choice: list[int] = field(default_factory=list)
-    least: list[Times] = field(default_factory=list)
-    most: list[Times] = field(default_factory=list)
-
-
-@dataclass(frozen=True, slots=True)
-class Stretch:
-    """Rows `first` to before `end`, started by the later of `triggers`, or by the part's arrival."""
-
-    first: int
-    end: int
-    triggers: tuple[int, ...]
-    cell: int
-
-
-@dataclass(frozen=True, slots=True)
-class PlannedDevice:
-    """A device with the place of its rows."""
-
-    device: Device
-    cell: int
-    first: int
-    end: int
-
-
-@dataclass(slots=True)
-class Plan:
-    """The whole plant, ready to run. Cells are counted through all groups."""
-
-    size: Size
-    rows: Rows = field(default_factory=Rows)
-    shares: list[float | None] = field(default_factory=list)
-    """By choice, as in `Cycle`."""
-    stretches: list[Stretch] = field(default_factory=list)
-    devices: list[PlannedDevice] = field(default_factory=list)
-    group_of_cell: list[int] = field(default_factory=list)
-    phase_of_cell: list[int] = field(default_factory=list)
-    """Milliseconds from the takt of its group."""
 
 
 @dataclass(slots=True)
@@ -116,7 +63,7 @@ class _Candidate(NamedTuple):
 def plan_plant(size: Size, groups: list[list[Cell]], random: Random) -> Plan:
     """Plans every cell, and spreads the cells of each group over the takt."""
     plan = Plan(size)
-    swaps = _swaps(size, groups, random)
+    swaps = swapping_pairs(size, groups, random)
     for group, cells in enumerate(groups):
         first_cell = len(plan.group_of_cell)
         spans = [
@@ -125,43 +72,6 @@ def plan_plant(size: Size, groups: list[list[Cell]], random: Random) -> Plan:
         ]
         _spread(plan, first_cell, spans)
     return plan
-
-
-def expected_rules(size: Size, groups: list[list[Cell]]) -> float:
-    """Transitions of all devices and groups if no neighbours ever start in the other order."""
-    rules = 2.0 * (size.signals + size.devices)
-    cycles = size.learn_events / (2 * size.signals)
-    for device in (device for cells in groups for cell in cells for device in cell):
-        for choice, share in enumerate(device.cycle.shares):
-            shape = next(step.shape for step in device.cycle.steps if step.choice == choice)
-            if share is None:
-                rules += 4 * (1 - (1 - ALARM_RATE) ** cycles)
-            else:
-                rules += 3 if shape == "either order" else 1
-    return rules
-
-
-ALARM_RATE = 1 / 250
-"""How often a device takes its alarm path, by cycle."""
-
-
-def _swaps(size: Size, groups: list[list[Cell]], random: Random) -> list[list[int]]:
-    """How many pairs of neighbours of each cell start in an order that depends on the part.
-
-    Each makes three more transitions of the group; as many as bring the rules to their number.
-    """
-    places = [
-        (group, cell)
-        for group, cells in enumerate(groups)
-        for cell, devices in enumerate(cells)
-        for _ in range(len(devices) // 3)
-    ]
-    random.shuffle(places)
-    wanted = round((size.rules - expected_rules(size, groups)) / 3)
-    swaps = [[0] * len(cells) for cells in groups]
-    for group, cell in places[: max(wanted, 0)]:
-        swaps[group][cell] += 1
-    return swaps
 
 
 def _spread(plan: Plan, first_cell: int, spans: list[int]) -> None:
@@ -187,9 +97,11 @@ class _CellPlanner:
         self._number = len(plan.group_of_cell)
         self._swaps = swaps
         self._latest_end = plan.size.shortest_takt_ms - ARRIVAL_JITTER_MS - BETWEEN_CELLS_MS
-        self._haste = max(plan.size.shortest_takt_ms / (60 * MINUTE_MS), 0.3)
+        self._durations = Durations(plan.size, random)
         self._candidates: list[_Candidate] = []
         self._when: dict[int, _Candidate] = {}
+        self._repeated: set[int] = set()
+        """Rows whose state is seen again on an alarm path."""
         plan.group_of_cell.append(group)
         self._devices = [self._enter(number, device) for number, device in enumerate(cell)]
 
@@ -221,9 +133,15 @@ class _CellPlanner:
             rows.pace.append(step.pace)
             rows.shape.append(step.shape)
             rows.choice.append(-1 if step.choice < 0 else first_choice + step.choice)
-            least, most = self._times(step, device)
+            least, most = self._durations.of(step, device.kind.close_times)
             rows.least.append(least)
             rows.most.append(most)
+        on_alarm_path = {step.signal for step in device.cycle.steps if step.shape == "alarm"}
+        self._repeated.update(
+            row
+            for row, step in enumerate(device.cycle.steps, first)
+            if step.signal in on_alarm_path
+        )
         planned = PlannedDevice(device, self._number, first, len(rows.signal))
         self._plan.devices.append(planned)
         paces = rows.pace[first:]
@@ -237,63 +155,12 @@ class _CellPlanner:
             number, planned, first, nothing, nothing, short_ms, sum(p in "pw" for p in paces)
         )
 
-    def _times(self, step: Step, device: Device) -> tuple[Times, Times]:
-        """Least and most a step takes; a program's are known only when it is planned."""
-        random = self._random
-        match step.pace:
-            case "c":
-                least = random.randrange(20, 40)
-                return self._same(least, least + random.randrange(20, 40))
-            case "l":
-                least = random.randrange(60, 400)
-                return self._same(least, least + random.randrange(20, 50))
-            case "m":
-                jitter = random.uniform(0.005, 0.02)
-                return self._around(random.uniform(800, 9_000), jitter, device.kind.close_times)
-            case "t":
-                return self._around(random.uniform(15_000, 30_000) * self._haste, 0.02)
-            case "f":
-                least = round(random.uniform(10_000, 40_000) * self._haste)
-                return self._same(
-                    least, least + round(random.uniform(30_000, 90_000) * self._haste)
-                )
-            case "w":
-                least = random.randrange(10, 30)
-                return self._same(least, least + random.randrange(20, 50))
-            case "p":
-                return self._same(0, 0)
-
-    def _same(self, least: int, most: int) -> tuple[Times, Times]:
-        return (least,) * self._types, (most,) * self._types
-
-    def _around(
-        self, middle: float, jitter: float, close: bool | None = None
-    ) -> tuple[Times, Times]:
-        """Times about `middle`, by part type; several of them unless `close` is None."""
-        middles = [middle] * self._types
-        share = SEVERAL_CLOSE_TIMES_SHARE if close else SEVERAL_TIMES_SHARE
-        if close is not None and self._random.random() < share:
-            gap = (0.35, 0.8) if close else (1.2, 4.0)
-            self._apart(middles, lambda at: at + 1000 * self._random.uniform(*gap))
-        widths = [max(10.0, at * jitter) for at in middles]
-        return (
-            tuple(round(at - width) for at, width in zip(middles, widths, strict=True)),
-            tuple(round(at + width) for at, width in zip(middles, widths, strict=True)),
-        )
-
-    def _apart(self, middles: list[float], next_one: Callable[[float], float]) -> None:
-        """Sets the middles apart, at least two of them."""
-        for kind in range(1, len(middles)):
-            again = kind > 1 and self._random.random() < 0.5
-            middles[kind] = middles[kind - 1] if again else next_one(middles[kind - 1])
-        self._random.shuffle(middles)
-
     # the stretches of a cell
 
     def _plan_starts(self) -> int:
         """Starts one device after the other, each when the one before has answered."""
         lead, *followers = self._devices
-        before = (self._plan_start(lead, ()),)
+        before: tuple[int, ...] = (self._plan_start(lead, ()),)
         pairs, alone_next = self._swaps, False
         while followers:
             # Pairs never stand side by side: that would make four orders instead of two.
@@ -351,8 +218,7 @@ class _CellPlanner:
         end = row + 1
         if rows.shape[row] == "always":
             device.least, device.most = self._after(device, row)
-            if rows.pace[row] in "mpf" or row == self._answer(device):
-                self._tell(device, row)
+            self._tell(device, row)
             return end
         while rows.shape[end] != "always":
             end += 1
@@ -372,7 +238,9 @@ class _CellPlanner:
         rows = self._rows
         if rows.pace[row] in "pw":
             if rows.pace[row] == "p":
-                rows.least[row], rows.most[row] = self._program(self._share_of_takt(device))
+                rows.least[row], rows.most[row] = self._durations.program(
+                    self._share_of_takt(device)
+                )
             device.long_steps -= 1
         else:
             device.short_ms -= max(rows.most[row])
@@ -386,29 +254,17 @@ class _CellPlanner:
         free = self._latest_end - max(device.most) - device.short_ms
         return max(free, 0) / (device.long_steps + SPARE_STEPS)
 
-    def _program(self, share_ms: float) -> tuple[Times, Times]:
-        """A timer is exact, a program as exact as its motions."""
-        random = self._random
-        middles = [max(share_ms * random.uniform(*PROGRAM_SHARE), 500.0)] * self._types
-        if random.random() < SEVERAL_TIMES_SHARE:
-            self._apart(middles, lambda at: at * random.uniform(1.08, 1.16))
-        jitter = random.uniform(0.001, 0.005) if random.random() < 0.4 else 0.0
-        widths = [max(at * jitter, 20.0) for at in middles]
-        return (
-            tuple(round(at - width) for at, width in zip(middles, widths, strict=True)),
-            tuple(round(at + width) for at, width in zip(middles, widths, strict=True)),
-        )
-
     # waiting for one another
 
     def _tell(self, device: _Progress, row: int) -> None:
+        """Remembers when a step happens; others may wait for it if it is seen once a cycle."""
         event = _Candidate(row, device.number, device.least, device.most)
         self._when[row] = event
-        if self._rows.pace[row] in "mpf":
+        if self._rows.pace[row] in "mpf" and row not in self._repeated:
             self._candidates.append(event)
 
     def _triggers(self, device: _Progress) -> tuple[int, ...]:
-        """One event of another device that comes later for certain, or two; none if there is none."""
+        """One or two events of other devices that certainly come later, if there are any."""
         share = self._share_of_takt(device)
         own = [at + SURELY_LATER_MS for at in device.most]
         latest = max(device.most) + share * 1.3

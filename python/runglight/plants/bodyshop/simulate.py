@@ -7,7 +7,6 @@ from random import Random
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 
 from runglight.plants.bodyshop.layout import lay_out, symbol_table
 from runglight.plants.bodyshop.moments import (
@@ -17,10 +16,11 @@ from runglight.plants.bodyshop.moments import (
     Takts,
     run_plan,
 )
-from runglight.plants.bodyshop.schedule import ALARM_RATE, Plan, plan_plant
+from runglight.plants.bodyshop.plan import ALARM_RATE, Plan
+from runglight.plants.bodyshop.schedule import plan_plant
 from runglight.plants.bodyshop.sizes import SIZES, Size
 from runglight.plants.bodyshop.truth import TransitionTimes, Trigger, Truth
-from runglight.plants.run import PlantRun
+from runglight.plants.run import Columns, PlantRun
 from runglight.plants.symbols import Symbol
 
 START_NS = 1_767_592_800 * 1_000_000_000
@@ -96,9 +96,12 @@ def simulate_bodyshop(
     signals = tuple(symbol.name for symbol in symbols)
 
     def run(start: int, end: int) -> PlantRun:
-        time_ns, signal_index, value = (column[start:end] for column in columns)
-        last_ns = int(time_ns[-1]) if end > start else START_NS
-        return PlantRun(time_ns, signal_index, value, signals, (), last_ns, symbols)
+        time_ns, signal_index, value = columns
+        last_ns = int(time_ns[end - 1]) if end > start else START_NS
+        rows = slice(start, end)
+        return PlantRun(
+            time_ns[rows], signal_index[rows], value[rows], signals, (), last_ns, symbols
+        )
 
     alarms_learned = int((moments.alarms < takts.learn.stop + UNSURE_TAKTS).sum())
     return BodyshopRun(
@@ -109,6 +112,20 @@ def simulate_bodyshop(
         plan=plan,
         alarms=(alarms_learned, len(moments.alarms) - alarms_learned),
     )
+
+
+def simulate_part(
+    size: str = "main", seed: int = 1, events: int | None = None, part: Part = "all"
+) -> PlantRun:
+    """Runs a body shop and gives one part of what its logger saw, or both as one.
+
+    `events` counts both parts; they share it as they share the size's own number.
+    """
+    if size not in SIZES or events is None:
+        return simulate_bodyshop(size, seed).part(part)
+    learn, watch = SIZES[size].learn_events, SIZES[size].watch_events
+    learn_events = events * learn // (learn + watch)
+    return simulate_bodyshop(size, seed, learn_events, events - learn_events).part(part)
 
 
 def _events_per_takt(plan: Plan) -> float:
@@ -143,9 +160,7 @@ def _takts(per_takt: float, learn_events: int, watch_events: int) -> Takts:
     )
 
 
-def _columns(
-    plan: Plan, moments: Moments, events: int, seed: int
-) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.uint32], npt.NDArray[np.int64]]:
+def _columns(plan: Plan, moments: Moments, events: int, seed: int) -> Columns:
     """The first events of all, in time order; those of one tick in an order of no meaning."""
     states = 2 * plan.size.signals
     bits = states.bit_length()
@@ -167,4 +182,4 @@ def _columns(
         raise AssertionError("too few takts were run for so many events")
     keys *= TICK_NS
     keys += START_NS
-    return keys, (state_of >> 1).astype(np.uint32)[places], (state_of & 1)[places]
+    return Columns(keys, (state_of >> 1).astype(np.uint32)[places], (state_of & 1)[places])

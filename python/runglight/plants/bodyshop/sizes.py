@@ -1,7 +1,7 @@
 """How large a body shop is: the three plants of Ghosh 2016, and one for tests."""
 
 from dataclasses import dataclass
-from itertools import accumulate
+from itertools import accumulate, pairwise
 
 MINUTE_MS = 60_000
 
@@ -33,7 +33,7 @@ class Size:
     def devices_of_groups(self) -> tuple[int, ...]:
         """Devices of each group: as even as can be."""
         bounds = [self.devices * group // self.groups for group in range(self.groups + 1)]
-        return tuple(after - before for before, after in zip(bounds, bounds[1:], strict=False))
+        return tuple(after - before for before, after in pairwise(bounds))
 
     @property
     def type_bounds(self) -> tuple[float, ...]:
@@ -45,16 +45,10 @@ SIZES = {
     size.name: size
     for size in (
         # Ghosh 2016, section 3.2
-        Size(
-            "main", 21_960, 1_620, 6, 3_320_000, 1_000_000, 50_567, (0.6, 0.4), 60 * MINUTE_MS
-        ),
+        Size("main", 21_960, 1_620, 6, 3_320_000, 1_000_000, 50_567, (0.6, 0.4), 60 * MINUTE_MS),
         # the same, appendix: Database A and Database B
-        Size(
-            "a", 14_467, 1_127, 4, 2_700_000, 1_000_000, 33_394, (0.5, 0.3, 0.2), 60 * MINUTE_MS
-        ),
-        Size(
-            "b", 13_896, 973, 4, 2_450_000, 1_000_000, 31_976, (0.5, 0.3, 0.2), 60 * MINUTE_MS
-        ),
-        Size("tiny", 260, 20, 2, 38_000, 12_000, 615, (0.6, 0.4), 12 * MINUTE_MS),
+        Size("a", 14_467, 1_127, 4, 2_700_000, 1_000_000, 33_394, (0.5, 0.3, 0.2), 60 * MINUTE_MS),
+        Size("b", 13_896, 973, 4, 2_450_000, 1_000_000, 31_976, (0.5, 0.3, 0.2), 60 * MINUTE_MS),
+        Size("tiny", 260, 20, 2, 38_000, 12_000, 600, (0.6, 0.4), 12 * MINUTE_MS),
     )
 }

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from runglight.plants.bodyshop.moments import RESOLUTION_MS
-from runglight.plants.bodyshop.schedule import Plan, PlannedDevice
+from runglight.plants.bodyshop.plan import Plan, PlannedDevice
 from runglight.plants.faults import Transition
 
 After = Literal["device", "triggers", "arrival", "people"]
