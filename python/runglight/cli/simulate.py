@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import msgspec
 from cyclopts import Parameter
@@ -23,6 +24,9 @@ if TYPE_CHECKING:
     from runglight.plants import PlantDescription, PlantRun
 
 
+Part = Literal["all", "learn", "watch"]
+
+
 def simulate(
     plant: str | None = None,
     /,
@@ -33,6 +37,9 @@ def simulate(
     fault: tuple[str, ...] = (),
     labels: Path | None = None,
     symbols: Path | None = None,
+    size: str | None = None,
+    part: Part | None = None,
+    events: int | None = None,
     list_plants: Annotated[bool, Parameter(name="--list")] = False,
 ) -> int:
     """Run a simulated plant and write what a logger at its PLC would have seen.
@@ -53,6 +60,12 @@ def simulate(
         Write what was broken, when, and where it shows, as JSON.
     symbols: Path
         Write the plant's symbol table.
+    size: str
+        bodyshop: `main`, `a` or `b`, as large as the plants of the PLAT paper, or `tiny`.
+    part: Literal["all", "learn", "watch"]
+        bodyshop: what to learn from, what to watch after it, or both in one log.
+    events: int
+        bodyshop: events of both parts together (default: as many as the paper has).
     list_plants: bool
         Name the plants and their faults.
 
@@ -65,7 +78,13 @@ def simulate(
     description = _plant(plant)
     if log is None and labels is None and symbols is None:
         raise InputError(f"where to? runglight simulate {plant} --log FILE.csv")
-    run = run_plant(description, cycles=cycles, seed=seed, faults=fault)
+    own: dict[str, object] = {"cycles": cycles, "fault": fault or None}
+    of_sized: dict[str, object] = {"size": size, "part": part, "events": events}
+    _refuse(description, own if description.sizes else of_sized)
+    if description.sizes:
+        run = _run(description, of_sized | {"seed": seed})
+    else:
+        run = run_plant(description, cycles=cycles, seed=seed, faults=fault)
     console = terminal.results()
     if log is not None:
         rows = log_of(run).write(log)
@@ -76,8 +95,8 @@ def simulate(
         console.print(Text(f"{labels}: {counted(len(run.labels), 'fault')}"), soft_wrap=True)
     if symbols is not None:
         with output(symbols) as stream:
-            stream.write(symbols_of(description))
-        known = counted(len(description.symbols), "signal")
+            stream.write(symbols_of(description, run))
+        known = counted(len(run.symbols or description.symbols), "signal")
         console.print(Text(f"{symbols}: {known}"), soft_wrap=True)
     return DONE
 
@@ -86,14 +105,23 @@ def run_plant(
     plant: PlantDescription, *, cycles: int | None, seed: int, faults: tuple[str, ...]
 ) -> PlantRun:
     """Runs a plant; InputError where it has no such fault or cannot run so."""
-    arguments: dict[str, object] = {"seed": seed, "fault": list(faults) or None}
-    if cycles is not None:
-        arguments["cycles"] = cycles
+    return _run(plant, {"seed": seed, "fault": list(faults) or None, "cycles": cycles})
+
+
+def _run(plant: PlantDescription, arguments: Mapping[str, object]) -> PlantRun:
+    given = {name: value for name, value in arguments.items() if value is not None}
     try:
         with terminal.working(f"Simulating {plant.name}"):
-            return plant.simulate(**arguments)
+            return plant.simulate(**given)
     except ValueError as error:
         raise InputError(f"simulate {plant.name}: {error}") from None
+
+
+def _refuse(plant: PlantDescription, options: Mapping[str, object]) -> None:
+    """InputError for an option that only other plants have."""
+    for name, value in options.items():
+        if value is not None:
+            raise InputError(f"simulate {plant.name}: this plant has no --{name}; leave it out")
 
 
 def log_of(run: PlantRun) -> Log:
@@ -107,11 +135,11 @@ def labels_json(run: PlantRun) -> str:
     return text.decode() + "\n"
 
 
-def symbols_of(plant: PlantDescription) -> str:
-    """The plant's symbol table."""
+def symbols_of(plant: PlantDescription, run: PlantRun | None = None) -> str:
+    """The plant's symbol table, or the one of a run that has its own."""
     from runglight.plants import symbols_csv  # noqa: PLC0415
 
-    return symbols_csv(plant.symbols)
+    return symbols_csv((run and run.symbols) or plant.symbols)
 
 
 def _plant(name: str) -> PlantDescription:
@@ -130,6 +158,9 @@ def _list(name: str | None) -> None:
     console = terminal.results()
     for plant in PLANTS.values() if name is None else [_plant(name)]:
         console.print(Text.assemble((plant.name, "bold"), f": {plant.description}"))
+        if plant.sizes:
+            console.print(f"  --size {', '.join(plant.sizes)}\n", markup=False, highlight=False)
+            continue
         table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
         table.add_column("Fault", justify="right")
         table.add_column("Name", no_wrap=True)

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from runglight.plants import cell
+from runglight.plants import bodyshop, cell
 from runglight.plants.faults import FaultDescription, FaultKind, FaultLabel, find_fault
 from runglight.plants.run import PlantRun
 from runglight.plants.symbols import Symbol, symbols_csv, write_symbols
@@ -27,6 +27,8 @@ class PlantDescription:
     """A machine that can be simulated: what it is, its signals and faults, and how to run it.
 
     `simulate` takes at least `cycles`, `seed`, `fault`, `fault_cycle` and `start_ns`, all optional.
+    A plant that comes in `sizes` has no faults, and its symbols are its run's; its `simulate`
+    takes `size`, `seed`, `events` and `part`.
     """
 
     name: str
@@ -34,6 +36,7 @@ class PlantDescription:
     symbols: tuple[Symbol, ...]
     faults: Mapping[int, FaultDescription]
     simulate: Callable[..., PlantRun]
+    sizes: tuple[str, ...] = ()
 
 
 PLANTS: dict[str, PlantDescription] = {
@@ -46,5 +49,16 @@ PLANTS: dict[str, PlantDescription] = {
         symbols=cell.SYMBOLS,
         faults=cell.FAULTS,
         simulate=cell.simulate_cell,
+    ),
+    "bodyshop": PlantDescription(
+        name="bodyshop",
+        description=(
+            "Some hundred cells of a car body shop, whose devices wait for one another: up to "
+            "21,960 signals and 4.3 million events, as large as the plants of the PLAT paper."
+        ),
+        symbols=(),
+        faults={},
+        simulate=bodyshop.simulate_part,
+        sizes=tuple(bodyshop.SIZES),
     ),
 }

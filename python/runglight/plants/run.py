@@ -7,6 +7,7 @@ import numpy as np
 import numpy.typing as npt
 
 from runglight.plants.faults import FaultLabel
+from runglight.plants.symbols import Symbol
 
 
 class Columns(NamedTuple):
@@ -31,3 +32,5 @@ class PlantRun:
     signals: tuple[str, ...]
     labels: tuple[FaultLabel, ...]
     end_ns: int
+    symbols: tuple[Symbol, ...] = ()
+    """The symbol table, where it is not the same in every run of the plant."""
