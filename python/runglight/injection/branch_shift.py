@@ -15,7 +15,12 @@ from runglight.injection.chains import Integers
 from runglight.injection.draft import Draft, Truth
 from runglight.injection.kinds import InjectionKind
 from runglight.injection.plan import InjectionPlan
-from runglight.injection.time_shift import ACCEPTED, LEAST_PASSES, LEAST_SHARE
+from runglight.injection.time_shift import (
+    ACCEPTED,
+    LEAST_PASSES,
+    LEAST_SHARE,
+    room_for_shift,
+)
 
 ROUND_AT_MOST = 500
 """Events in a round that is copied."""
@@ -64,38 +69,28 @@ def _shift(
     device = int(draft.placement.device_of[chains.signal_value(state)[0]])
     group = int(draft.placement.group_of[device])
     rounds = _rounds(draft, device, state)
-    if len(rounds.first) < LEAST_PASSES:
-        return None
-    ways, count = np.unique(rounds.next, return_counts=True)
-    share = count / count.sum()
-    # The way that is to be taken more often: the rarest that is not an exception.
-    candidates = np.flatnonzero((share >= LEAST_SHARE) & (share <= 1 - LEAST_SHARE))
-    if not len(candidates):
-        return None
-    chosen = int(candidates[share[candidates].argmin()])
-    way, clean_share = int(ways[chosen]), float(share[chosen])
-
     later = np.flatnonzero(chains.time[rounds.first] >= draft.clean_until_ns)
-    passes = min(plan.shift_passes, len(later))
-    if passes < LEAST_PASSES:
+    chosen = _rarest_way(rounds)
+    if chosen is None or len(later) < LEAST_PASSES:
         return None
+    way, clean_share = chosen
+    passes = min(plan.shift_passes, len(later))
     offset = int(random.integers(0, len(later) - passes + 1))
     period = later[offset : offset + passes]
     already = int((rounds.next[period] == way).sum())
-    wanted = round((clean_share + plan.shift_by) * passes) - already
-    least = (clean_share + ACCEPTED * plan.shift_by) * passes - already
-    others = random.permutation(period[rounds.next[period] != way])[: max(0, wanted)]
-    if len(others) < max(1, least):
+    wanted = max(0, round((clean_share + plan.shift_by) * passes) - already)
+    least = max(1, (clean_share + ACCEPTED * plan.shift_by) * passes - already)
+    others = random.permutation(period[rounds.next[period] != way])[:wanted]
+    begin = int(chains.time[rounds.first[period[0]]])
+    end = int(chains.time[rounds.last[period[-1]]])
+    if len(others) < least or not room_for_shift(draft, device, begin, end):
         return None
-    begin, end = int(chains.time[rounds.first[period[0]]]), int(chains.time[rounds.last[period[-1]]])
-    shifts_free = draft.room.free(("shift", group), begin, end)
-    if not shifts_free or not draft.room.free(("device", device), begin, end):
-        return None
+    stretch = slice(int(chains.start[device]), int(chains.start[device + 1]))
+    before = draft.time[stretch].copy()
     templates = np.flatnonzero(rounds.next == way)
     replaced, last = _replace(draft, rounds, others, templates, random)
-    if len(replaced) < max(1, least) or not draft.room.free(("device", device), begin, last):
-        stretch = slice(int(chains.start[device]), int(chains.start[device + 1]))
-        draft.time[stretch] = chains.time[stretch]
+    if len(replaced) < least or not room_for_shift(draft, device, begin, last):
+        draft.time[stretch] = before
         return None
     for each, template in replaced:
         _write(draft, rounds, each, template)
@@ -121,6 +116,17 @@ def _shift(
             f"instead of {clean_share:.0%}"
         ),
     )
+
+
+def _rarest_way(rounds: Rounds) -> tuple[int, float] | None:
+    """The way that is to be taken more often, and its share: the rarest that is no exception."""
+    ways, count = np.unique(rounds.next, return_counts=True)
+    share = count / max(1, len(rounds.next))
+    candidates = np.flatnonzero((share >= LEAST_SHARE) & (share <= 1 - LEAST_SHARE))
+    if not len(candidates):
+        return None
+    rarest = int(candidates[share[candidates].argmin()])
+    return int(ways[rarest]), float(share[rarest])
 
 
 def _rounds(draft: Draft, device: int, state: int) -> Rounds:

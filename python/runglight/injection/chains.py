@@ -1,6 +1,4 @@
-"""The device chains of a log as columns: every event with its predecessor, every transition with
-its true times.
-"""
+"""The device chains of a log as columns: events with their predecessors, transitions with times."""
 
 from __future__ import annotations
 
@@ -125,9 +123,14 @@ def chains_of(rows: Rows, references: Sequence[Rows], placement: Placement) -> C
     for each in everything:
         chain = own if each is rows else _chain(each, placement, values)
         linked = np.flatnonzero(chain.linked)
-        all_codes.append(chain.state[linked - 1] * states + chain.state[linked])
-        all_times.append(chain.time[linked] - chain.time[linked - 1])
+        found = chain.state[linked - 1] * states + chain.state[linked]
+        known.update(np.unique(found).tolist())
         known.update(_codes_in_file_order(each, chain, placement, states))
+        # What is ON when the log begins is written at its first time: no time of a transition.
+        timed = chain.time[linked] > each.time[0]
+        all_codes.append(found[timed])
+        all_times.append((chain.time[linked] - chain.time[linked - 1])[timed])
+        chain.linked[linked[~timed]] = False
     codes, inverse = np.unique(np.concatenate(all_codes), return_inverse=True)
     times = np.concatenate(all_times)
     minimum = np.full(len(codes), np.iinfo(np.int64).max)
@@ -136,7 +139,6 @@ def chains_of(rows: Rows, references: Sequence[Rows], placement: Placement) -> C
     np.maximum.at(maximum, inverse, times)
     transition = np.full(len(own.row), -1, dtype=np.int64)
     transition[own.linked] = inverse[: int(own.linked.sum())]
-    known.update(codes.tolist())
     return Chains(
         row=own.row,
         time=own.time,
@@ -172,9 +174,7 @@ def _chain(rows: Rows, placement: Placement, values: Integers) -> _Chain:
     return _in_devices(rows, placement, values, events)
 
 
-def _in_devices(
-    rows: Rows, placement: Placement, values: Integers, events: Integers
-) -> _Chain:
+def _in_devices(rows: Rows, placement: Placement, values: Integers, events: Integers) -> _Chain:
     device = placement.device_of[rows.signal[events]]
     order = np.argsort(device, kind="stable")
     events, device = events[order], device[order]
@@ -186,9 +186,7 @@ def _in_devices(
     return _Chain(events, rows.time[events], state, device, linked)
 
 
-def _codes_in_file_order(
-    rows: Rows, chain: _Chain, placement: Placement, states: int
-) -> list[int]:
+def _codes_in_file_order(rows: Rows, chain: _Chain, placement: Placement, states: int) -> list[int]:
     """Transitions as `--timing plat` sees them, which leaves the events of a scan as they came."""
     order = np.lexsort((chain.row, chain.device))
     moved = np.flatnonzero(order != np.arange(len(order)))
@@ -197,4 +195,5 @@ def _codes_in_file_order(
     state, linked = chain.state[order], chain.linked
     near = np.unique(np.clip(np.concatenate([moved, moved + 1]), 1, len(order) - 1))
     near = near[linked[near]]
-    return np.unique(state[near - 1] * states + state[near]).tolist()
+    found: list[int] = np.unique(state[near - 1] * states + state[near]).tolist()
+    return found

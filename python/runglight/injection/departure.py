@@ -1,4 +1,4 @@
-"""Does a changed stretch of a device's chain depart from everything the clean log does?
+"""Whether a changed stretch of a device's chain departs from everything the clean log does.
 
 Events of one scan have no order, and a watcher may try all of them before it calls a transition
 unknown. So a stretch departs only where no order of the events of its scans is known throughout.
@@ -43,7 +43,10 @@ def first_departure(
             last for state in alive for last in _ends(state, tuple(scan), known, states)
         )
         if not reached:
-            return _named(alive, steps, first, end, known, states)
+            current = steps[first - 1].state if first else min(alive)
+            return _named(
+                current if current in alive else min(alive), steps[first:end], known, states
+            )
         alive = reached
     return None
 
@@ -68,14 +71,9 @@ def _ends(state: int, scan: tuple[int, ...], known: Set[int], states: int) -> se
     return ends
 
 
-def _named(
-    alive: frozenset[int], steps: list[Step], first: int, end: int, known: Set[int], states: int
-) -> Departure | None:
+def _named(current: int, scan: list[Step], known: Set[int], states: int) -> Departure | None:
     """The unknown transition as it reads in the scan's own order."""
-    current = steps[first - 1].state if first else next(iter(sorted(alive)))
-    if current not in alive:
-        current = min(alive)
-    for step in steps[first:end]:
+    for step in scan:
         if current * states + step.state not in known:
             return Departure(step.time, current, step.state)
         current = step.state

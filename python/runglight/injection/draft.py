@@ -11,7 +11,7 @@ from runglight.injection.departure import Departure, Step, first_departure
 from runglight.plants.run import Columns
 
 if TYPE_CHECKING:
-    from runglight.injection.chains import Chains, Integers, Rows
+    from runglight.injection.chains import Chains, Flags, Integers, Rows
     from runglight.injection.kinds import InjectionKind
     from runglight.injection.placement import Placement
     from runglight.injection.room import Room
@@ -70,9 +70,24 @@ class Draft:
         """Nanoseconds on the log's resolution, at least one tick."""
         return max(1, round(seconds * 1e9 / self.tick_ns)) * self.tick_ns
 
+    def open(self) -> Flags:
+        """Per position: something is known before it, and the result will hold it."""
+        chains = self.chains
+        found: Flags = (chains.transition >= 0) & (chains.time >= self.clean_until_ns)
+        cut_ns = self.cut_ns()
+        for group in self._pauses:
+            for device in np.flatnonzero(self.placement.group_of == group).tolist():
+                stretch = slice(int(chains.start[device]), int(chains.start[device + 1]))
+                found[stretch] &= self.moved_all(group, chains.time[stretch]) <= cut_ns
+        return found
+
     def linked(self, position: int) -> bool:
         """True where the event before is known."""
         return position < len(self.chains.transition) and self.chains.transition[position] >= 0
+
+    def after(self, position: int) -> int:
+        """The next event of the device, or the event itself where none is known."""
+        return position + 1 if self.linked(position + 1) else position
 
     def free(self, device: int, start: int, end: int, context: tuple[int, int]) -> bool:
         """True where a fault of a device finds room, and what it is judged by is untouched."""
@@ -195,9 +210,19 @@ class Draft:
 
     def moved(self, group: int, time: int) -> int:
         """Where a time of a group ends up after its pauses."""
+        return int(self.moved_all(group, np.array([time], dtype=np.int64))[0])
+
+    def moved_all(self, group: int, times: Integers) -> Integers:
+        """Where times of a group end up after its pauses."""
         at, shift = self._shifts(group)
-        index = int(np.searchsorted(at, time, side="right"))
-        return time + (int(shift[index - 1]) if index else 0)
+        moved: Integers = times + np.concatenate([[0], shift])[np.searchsorted(at, times, "right")]
+        return moved
+
+    def cut_ns(self) -> int:
+        """Where the result ends: a group that has paused less must not seem to fall silent."""
+        last = int(self.rows.time[-1])
+        groups = range(len(self.placement.groups))
+        return min((self.moved(group, last) for group in groups), default=last)
 
     def _shifts(self, group: int) -> tuple[Integers, Integers]:
         pauses = sorted(self._pauses.get(group, []))
@@ -238,10 +263,10 @@ class Draft:
         sample = np.concatenate([sample[kept], np.zeros(len(inserted), dtype=np.bool_)])
         for group in self._pauses:
             of_group = self.placement.group_of[self.placement.device_of[signal]] == group
-            at, shift = self._shifts(group)
-            index = np.searchsorted(at, clean_time[of_group], side="right")
-            time[of_group] += np.concatenate([[0], shift])[index]
+            time[of_group] += self.moved_all(group, clean_time[of_group]) - clean_time[of_group]
         order = np.lexsort((key, time))
+        if self._pauses:
+            order = order[: int(np.searchsorted(time[order], self.cut_ns(), side="right"))]
         time, signal, value, sample = time[order], signal[order], value[order], sample[order]
         _refresh(signal, value, sample)
         return Columns(time, signal.astype(np.uint32), value)

@@ -11,6 +11,7 @@ from runglight.errors import InputError
 from runglight.injection.branch_shift import inject_branch_shifts
 from runglight.injection.chains import Rows, chains_of, rows_of
 from runglight.injection.draft import Draft, Truth
+from runglight.injection.kinds import SEQUENCE_KINDS, InjectionKind
 from runglight.injection.labels import InjectionLabel, iso
 from runglight.injection.placement import Placement, placement_of
 from runglight.injection.room import Room
@@ -30,12 +31,20 @@ if TYPE_CHECKING:
 
 # Shifts need the longest undisturbed stretches, so they choose first; single events go anywhere.
 _INJECTORS = (
-    ("time_shifts", "shift of times", inject_time_shifts),
-    ("branch_shifts", "shift of branches", inject_branch_shifts),
-    ("stalls", "stall", inject_stalls),
-    ("faults", "fault", inject_faults),
-    ("late", "late transition", inject_late),
-    ("early", "early transition", inject_early),
+    ("time_shifts", inject_time_shifts),
+    ("branch_shifts", inject_branch_shifts),
+    ("stalls", inject_stalls),
+    ("faults", inject_faults),
+    ("late", inject_late),
+    ("early", inject_early),
+)
+_ASKED_FOR = (
+    ("faults", "faults of order", SEQUENCE_KINDS),
+    ("late", "late transitions", (InjectionKind.LATE,)),
+    ("early", "early transitions", (InjectionKind.EARLY,)),
+    ("stalls", "stalls", (InjectionKind.STALL,)),
+    ("branch_shifts", "shifts of a branch", (InjectionKind.BRANCH_SHIFT,)),
+    ("time_shifts", "shifts of times", (InjectionKind.TIME_SHIFT,)),
 )
 
 
@@ -85,17 +94,16 @@ def inject_with(
         window_ns=_scan_window(log, reference),
         clean_until_ns=_clean_until(rows, plan),
     )
-    shortfalls = []
     # Each kind draws from its own generator: more of one leaves the others as they were.
     seeds = np.random.SeedSequence(plan.seed).spawn(len(_INJECTORS))
-    for (field, noun, injector), seed in zip(_INJECTORS, seeds, strict=True):
-        wanted: int = getattr(plan, field)
-        if wanted and (done := injector(draft, plan, np.random.default_rng(seed))) < wanted:
-            shortfalls.append(_shortfall(noun, done, wanted))
+    for (field, injector), seed in zip(_INJECTORS, seeds, strict=True):
+        if getattr(plan, field):
+            injector(draft, plan, np.random.default_rng(seed))
+    _leave_out_what_is_cut(draft)
     changed = Log.from_columns(
         *draft.columns(), [*placement.symbols], scan_interval_s=log.scan_interval_s
     )
-    return Injected(changed, _labels(draft), shortfalls)
+    return Injected(changed, _labels(draft), _shortfalls(draft, plan))
 
 
 def _resolution(rows: Rows) -> int:
@@ -119,12 +127,23 @@ def _clean_until(rows: Rows, plan: InjectionPlan) -> int:
     return plan.from_ns
 
 
-def _shortfall(noun: str, done: int, wanted: int) -> str:
-    plural = noun.replace("shift of", "shifts of") if "shift of" in noun else f"{noun}s"
-    return (
-        f"the log has room for {done:,} of the {wanted:,} {plural} asked for; "
-        "less spacing, fewer of the others or a longer log make room"
-    )
+def _leave_out_what_is_cut(draft: Draft) -> None:
+    """A stall chosen later may have pushed what was chosen before past the end."""
+    cut_ns = draft.cut_ns()
+    draft.truths = [truth for truth in draft.truths if _placed(draft, truth)[2] <= cut_ns]
+
+
+def _shortfalls(draft: Draft, plan: InjectionPlan) -> list[str]:
+    sentences = []
+    for field, noun, kinds in _ASKED_FOR:
+        wanted: int = getattr(plan, field)
+        done = sum(truth.kind in kinds for truth in draft.truths)
+        if done < wanted:
+            sentences.append(
+                f"the log has room for {done:,} of the {wanted:,} {noun} asked for; "
+                "less spacing, fewer of the others or a longer log make room"
+            )
+    return sentences
 
 
 def _labels(draft: Draft) -> list[InjectionLabel]:

@@ -6,6 +6,10 @@ from runglight.errors import InputError
 from runglight.injection.distribution import Distribution
 from runglight.injection.kinds import SEQUENCE_KINDS, InjectionKind
 
+ONE_TO_TWO_AND_A_HALF_S = Distribution("normal", 1.0, 2.5)
+"""Ghosh 2016, Table 5."""
+FOUR_MINUTES = Distribution("constant", 240.0, 240.0)
+
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class InjectionPlan:
@@ -17,15 +21,15 @@ class InjectionPlan:
     """Kinds that `faults` is spread over."""
     late: int = 0
     """Transitions that take longer than ever."""
-    late_over: Distribution = Distribution("normal", 1.0, 2.5)
+    late_over: Distribution = ONE_TO_TWO_AND_A_HALF_S
     """Seconds over the true maximum of the transition."""
     early: int = 0
     """Transitions that take less time than ever."""
-    early_under: Distribution = Distribution("normal", 1.0, 2.5)
+    early_under: Distribution = ONE_TO_TWO_AND_A_HALF_S
     """Seconds under the true minimum of the transition."""
     stalls: int = 0
     """Silences of a group."""
-    stall_over: Distribution = Distribution("constant", 240.0, 240.0)
+    stall_over: Distribution = FOUR_MINUTES
     """Seconds over the longest silence of the group."""
     branch_shifts: int = 0
     """Periods in which a device takes its branches in other shares."""
@@ -38,7 +42,7 @@ class InjectionPlan:
     stuck_cycles: tuple[int, int] = (1, 3)
     """Least and most switching cycles of the signal that a stuck signal leaves out."""
     stuck_for: Distribution | None = None
-    """How long a signal is stuck, instead of `stuck_cycles`; whole switching cycles are left out."""
+    """How long a signal is stuck, instead of `stuck_cycles`; whole cycles are left out."""
     seed: int = 1
     """The same seed gives the same faults."""
     after: float = 0.1

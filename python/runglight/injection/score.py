@@ -20,22 +20,20 @@ _COUNTED: dict[str, frozenset[str]] = {
     "alarm": frozenset({"fault", "anomaly"}),
     "any": frozenset({"fault", "anomaly", "notice"}),
 }
+_SHIFTS = (InjectionKind.BRANCH_SHIFT, InjectionKind.TIME_SHIFT)
 _TELLS: dict[InjectionKind, frozenset[str]] = {
     **dict.fromkeys(SEQUENCE_KINDS, frozenset({"transition", "alarm_path", "stall"})),
     InjectionKind.LATE: frozenset({"late", "stall"}),
     InjectionKind.EARLY: frozenset({"early"}),
     InjectionKind.STALL: frozenset({"stall"}),
-    InjectionKind.BRANCH_SHIFT: frozenset(
-        {"transition_probability", "time_probability", "average_time"}
-    ),
-    InjectionKind.TIME_SHIFT: frozenset(
-        {"transition_probability", "time_probability", "average_time"}
+    **dict.fromkeys(
+        _SHIFTS, frozenset({"transition_probability", "time_probability", "average_time"})
     ),
 }
 """Kinds of finding that name a kind of fault."""
 _SAYS_NOTHING = frozenset({"gap"})
 
-EARLIER_S = 0.02
+EARLIER_NS = 20_000_000
 """A finding may stand this much before its label: a scan or two."""
 
 
@@ -99,7 +97,7 @@ def score(
     incidents: set[str] = set()
     for told in counted:
         for label in spans.around(told.group, told.time_ns):
-            if _names(told, label):
+            if told.time_ns >= label.time_ns - EARLIER_NS and _names(told, label):
                 found_by.setdefault(label.id, told)
                 matched.add(told.id)
                 incidents.add(told.incident)
@@ -132,6 +130,7 @@ class _Told(msgspec.Struct, frozen=True):
     kind: str
     severity: str
     time: str
+    model: str
     group: str | None = None
     device: str | None = None
 
@@ -166,8 +165,11 @@ class _Spans:
         self._groups: dict[str | None, list[tuple[int, int, InjectionLabel]]] = {}
         self._longest: dict[str | None, int] = {}
         for label in labels:
-            begin = label.time_ns - round(EARLIER_S * 1e9)
+            begin = min(label.start_ns, label.time_ns) - EARLIER_NS
             end = max(label.end_ns, label.time_ns) + tolerance_ns
+            if label.kind in _SHIFTS:
+                # Shares are checked every so many cycles, and then looked back upon.
+                end += (label.end_ns - label.start_ns) // 2
             self._groups.setdefault(label.group, []).append((begin, end, label))
             longest = self._longest.get(label.group, 0)
             self._longest[label.group] = max(longest, end - begin)
@@ -190,8 +192,10 @@ class _Spans:
     def excuse(self, told: _Told) -> bool:
         """True where a fault is near that the finding may follow from."""
         return any(
-            label.kind not in (InjectionKind.BRANCH_SHIFT, InjectionKind.TIME_SHIFT)
+            label.kind not in _SHIFTS
             or told.device == label.device
+            or told.model == "group"
+            or told.kind in _TELLS[label.kind]
             for label in self.around(told.group, told.time_ns)
         )
 

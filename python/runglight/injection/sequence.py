@@ -55,7 +55,7 @@ def inject_faults(draft: Draft, plan: InjectionPlan, random: np.random.Generator
 def _places(draft: Draft, kind: InjectionKind, random: np.random.Generator) -> Integers:
     """Events that a fault of a kind may begin with, in random order."""
     chains = draft.chains
-    possible = (chains.transition >= 0) & (chains.time >= draft.clean_until_ns)
+    possible = draft.open()
     signal = chains.state // len(chains.values)
     if kind in (InjectionKind.STUCK_ON, InjectionKind.STUCK_OFF):
         # A signal is stuck on from the edge to OFF that does not come.
@@ -127,31 +127,27 @@ def _without(
     draft.take(device, start, end, context)
     for each in lost[:-1] if keep_last else lost:
         draft.drop(each)
-    return _truth(draft, kind, first, departure, start, end, text)
+    return _truth(draft, kind, first, departure, span=(start, end), text=text)
 
 
 def _pulse(
     draft: Draft, position: int, _plan: InjectionPlan, random: np.random.Generator
 ) -> Truth | None:
-    if not _room_at(draft, position):
-        return None
     chains = draft.chains
     device = chains.device_at(position)
-    before, after = int(chains.time[position - 1]), int(chains.time[position])
     values = _present_values(draft, position)
-    if not values:
+    if not values or not _room_at(draft, position):
         return None
+    before, after = int(chains.time[position - 1]), int(chains.time[position])
     present = int(random.choice(sorted(values.values())))
     signal, value = chains.signal_value(present)
     other = _another_value(draft, device, signal, value, random)
-    if other is None:
-        return None
     least = max(draft.window_ns, draft.tick_ns)
     ticks = (after - before - 3 * least) // draft.tick_ns
     most_ticks = max(1, min(ticks // 2, round(PULSE_AT_MOST_S * 1e9) // draft.tick_ns))
     width = least + int(random.integers(0, most_ticks)) * draft.tick_ns
     spare = (after - before - 2 * least - width) // draft.tick_ns
-    if spare < 0:
+    if other is None or spare < 0:
         return None
     start = before + least + int(random.integers(0, spare + 1)) * draft.tick_ns
     end = start + width
@@ -167,7 +163,13 @@ def _pulse(
     draft.insert(start + width, present, position - 1)
     blink = f"blinks for {width / 1e9:g} s"
     return _truth(
-        draft, InjectionKind.SPURIOUS_PULSE, position, departure, start, end, blink, signal=signal
+        draft,
+        InjectionKind.SPURIOUS_PULSE,
+        position,
+        departure,
+        span=(start, end),
+        text=blink,
+        signal=signal,
     )
 
 
@@ -197,9 +199,8 @@ def _swap(
         InjectionKind.SWAPPED_ORDER,
         position,
         departure,
-        first.time,
-        end,
-        f"comes before {earlier} instead of after it",
+        span=(first.time, end),
+        text=f"comes before {earlier} instead of after it",
     )
 
 
@@ -300,10 +301,9 @@ def _truth(
     kind: InjectionKind,
     position: int,
     departure: Departure,
-    start: int,
-    end: int,
-    text: str,
     *,
+    span: tuple[int, int],
+    text: str,
     signal: int | None = None,
 ) -> Truth:
     time, current, following = departure
@@ -316,8 +316,8 @@ def _truth(
         device=device,
         signal=signal,
         time=time,
-        start=start,
-        end=end,
+        start=span[0],
+        end=span[1],
         current=current,
         next=following,
         description=f"{draft.placement.names[signal]} {text}",

@@ -28,7 +28,7 @@ def inject_stalls(draft: Draft, plan: InjectionPlan, random: np.random.Generator
         at = int(random.integers(first + 1, len(events[group])))
         before, after = (int(each) for each in events[group][at - 1 : at + 1])
         size_ns = draft.on_clock(sizes[done])
-        truth = _stall(draft, group, before, after, longest[group], size_ns)
+        truth = _stall(draft, group, (before, after), longest=longest[group], size_ns=size_ns)
         if truth is not None:
             draft.truths.append(truth)
             done += 1
@@ -56,9 +56,10 @@ def _longest_silence(draft: Draft, events: Integers) -> int:
 
 
 def _stall(
-    draft: Draft, group: int, before: int, after: int, longest: int, size_ns: int
+    draft: Draft, group: int, events: tuple[int, int], *, longest: int, size_ns: int
 ) -> Truth | None:
     chains = draft.chains
+    before, after = events
     start, end = int(chains.time[before]), int(chains.time[after])
     length = longest + size_ns - (end - start)
     if (

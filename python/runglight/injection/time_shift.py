@@ -18,6 +18,8 @@ from runglight.injection.plan import InjectionPlan
 LEAST_SHARE = 0.1
 """Both times of a transition must have at least this share in the clean log."""
 LEAST_PASSES = 20
+OUTLIERS = 20
+"""One in so many times, at either end, does not count when two times are told apart."""
 ACCEPTED = 0.75
 """Part of the wanted change that a period must reach."""
 
@@ -30,10 +32,14 @@ class TwoTimes:
     times: Integers
     border: int
     """Times up to here are short, those above long."""
+    least: int
+    most: int
+    """Below and above lie outliers."""
 
     def of(self, long: bool) -> Integers:
-        """All long, or all short times."""
-        return self.times[(self.times > self.border) == long]
+        """All long, or all short times, but for outliers."""
+        usual = (self.times >= self.least) & (self.times <= self.most)
+        return self.times[usual & ((self.times > self.border) == long)]
 
 
 def inject_time_shifts(draft: Draft, plan: InjectionPlan, random: np.random.Generator) -> int:
@@ -59,36 +65,33 @@ def _with_two_times(draft: Draft) -> Integers:
     chains = draft.chains
     positions = np.flatnonzero(chains.transition >= 0)
     if not len(positions):
-        return positions
+        return np.zeros(0, dtype=np.int64)
     transition = chains.transition[positions]
     times = chains.time[positions] - chains.time[positions - 1]
     order = np.lexsort((times, transition))
     transition, times = transition[order], times[order]
     starts = np.searchsorted(transition, np.arange(len(chains.codes)))
     ends = np.searchsorted(transition, np.arange(len(chains.codes)), side="right")
-    apart = np.zeros(len(times), dtype=np.int64)
-    apart[1:] = np.where(transition[1:] == transition[:-1], np.diff(times), 0)
     found = []
     for each in np.flatnonzero(ends - starts >= LEAST_PASSES).tolist():
-        first, end = int(starts[each]), int(ends[each])
-        # The last of the short times, and the first of the long ones.
-        low, high = _border(apart, first, end)
-        share = (high - first) / (end - first)
-        gap = apart[high]
+        ordered = times[starts[each] : ends[each]]
+        high = _border(ordered)
+        # A few outliers on either side do not make the two times unclear.
+        few = len(ordered) // OUTLIERS
+        gap = ordered[high] - ordered[high - 1]
         if (
-            LEAST_SHARE <= share <= 1 - LEAST_SHARE
-            and gap > times[low] - times[first]
-            and gap > times[end - 1] - times[high]
+            gap > ordered[high - 1] - ordered[few]
+            and gap > ordered[-1 - few] - ordered[high]
             and gap > max(draft.window_ns, draft.tick_ns)
         ):
             found.append(each)
     return np.array(found, dtype=np.int64)
 
 
-def _border(apart: Integers, first: int, end: int) -> tuple[int, int]:
-    # The first of a transition has nothing to be apart from.
-    high = first + 1 + int(apart[first + 1 : end].argmax())
-    return high - 1, high
+def _border(ordered: Integers) -> int:
+    """Where the long times begin: after the widest gap that leaves each side its least share."""
+    least = max(1, round(LEAST_SHARE * len(ordered)))
+    return least + int(np.diff(ordered)[least - 1 : len(ordered) - least].argmax())
 
 
 def _two_times(draft: Draft, transition: int) -> TwoTimes:
@@ -96,8 +99,9 @@ def _two_times(draft: Draft, transition: int) -> TwoTimes:
     positions = np.flatnonzero(chains.transition == transition)
     times = chains.time[positions] - chains.time[positions - 1]
     ordered = np.sort(times)
-    border = int(ordered[int(np.diff(ordered).argmax())])
-    return TwoTimes(positions, times, border)
+    few = len(ordered) // OUTLIERS
+    border = int(ordered[_border(ordered) - 1])
+    return TwoTimes(positions, times, border, int(ordered[few]), int(ordered[-1 - few]))
 
 
 def _shift(
@@ -110,7 +114,7 @@ def _shift(
 ) -> Truth | None:
     chains = draft.chains
     both = _two_times(draft, transition)
-    long_share = len(both.of(True)) / len(both.times)
+    long_share = float((both.times > both.border).mean())
     later = np.flatnonzero(chains.time[both.positions] >= draft.clean_until_ns)
     if len(later) < LEAST_PASSES:
         return None
@@ -121,7 +125,7 @@ def _shift(
     group = int(draft.placement.group_of[device])
     begin = int(chains.time[both.positions[period[0]] - 1])
     end = int(chains.time[both.positions[period[-1]]])
-    if not _room(draft, group, device, begin, end):
+    if not room_for_shift(draft, device, begin, end):
         return None
     # Towards the times that are not the rule, so that the change can be as large as wanted.
     for long in sorted((True, False), key=lambda long: long_share if long else 1 - long_share):
@@ -130,7 +134,7 @@ def _shift(
         wanted = max(0, round((share + plan.shift_by) * passes) - (passes - len(to_change)))
         least = (share + ACCEPTED * plan.shift_by) * passes - (passes - len(to_change))
         if together:
-            waits = _waits(draft, both, to_change, wanted, long, random)
+            waits = _waits(draft, both, to_change, wanted, long=long, random=random)
             changed = len(waits)
             if not changed or changed < least:
                 continue
@@ -139,7 +143,7 @@ def _shift(
                 draft.room.take(("group", group), *_stretch(time, length))
         else:
             changed, last, times = _alone(draft, both, to_change[:wanted], long, random)
-            if not changed or changed < least or not _room(draft, group, device, begin, last):
+            if not changed or changed < least or not room_for_shift(draft, device, begin, last):
                 draft.time[chains.start[device] : chains.start[device + 1]] = times
                 continue
             end = max(end, last)
@@ -166,8 +170,9 @@ def _shift(
     return None
 
 
-def _room(draft: Draft, group: int, device: int, begin: int, end: int) -> bool:
-    # Two shifts at a time in one group would move each other.
+def room_for_shift(draft: Draft, device: int, begin: int, end: int) -> bool:
+    """True where the device is untouched; two shifts at a time in a group would meet."""
+    group = int(draft.placement.group_of[device])
     return draft.room.free(("device", device), begin, end) and draft.room.free(
         ("shift", group), begin, end
     )
@@ -203,6 +208,7 @@ def _waits(
     both: TwoTimes,
     to_change: Integers,
     wanted: int,
+    *,
     long: bool,
     random: np.random.Generator,
 ) -> list[tuple[int, int]]:

@@ -49,17 +49,20 @@ def _places(
     chains = draft.chains
     fit = (chains.count >= plan.minimum_passes) & (chains.maximum <= plan.longest_s * 1e9)
     fit &= chains.minimum >= at_least_s * 1e9
-    possible = (chains.transition >= 0) & (chains.time >= draft.clean_until_ns)
+    possible = draft.open()
     possible[possible] = fit[chains.transition[possible]]
     places: Integers = random.permutation(np.flatnonzero(possible))
-    return places.tolist()
+    found: list[int] = places.tolist()
+    return found
 
 
 def _late(draft: Draft, position: int, size_ns: int) -> Truth | None:
     chains = draft.chains
     before = int(draft.time[position - 1])
     due = before + int(chains.maximum[chains.transition[position]])
-    return _moved(draft, position, InjectionKind.LATE, due, due + size_ns, size_ns)
+    return _moved(
+        draft, position, InjectionKind.LATE, time=due, new_time=due + size_ns, size_ns=size_ns
+    )
 
 
 def _early(draft: Draft, position: int, size_ns: int) -> Truth | None:
@@ -68,11 +71,19 @@ def _early(draft: Draft, position: int, size_ns: int) -> Truth | None:
     new_time = before + int(chains.minimum[chains.transition[position]]) - size_ns
     if new_time < before + max(draft.tick_ns, draft.window_ns):
         return None
-    return _moved(draft, position, InjectionKind.EARLY, new_time, new_time, size_ns)
+    return _moved(
+        draft, position, InjectionKind.EARLY, time=new_time, new_time=new_time, size_ns=size_ns
+    )
 
 
 def _moved(
-    draft: Draft, position: int, kind: InjectionKind, time: int, new_time: int, size_ns: int
+    draft: Draft,
+    position: int,
+    kind: InjectionKind,
+    *,
+    time: int,
+    new_time: int,
+    size_ns: int,
 ) -> Truth | None:
     chains = draft.chains
     device = chains.device_at(position)
@@ -83,10 +94,12 @@ def _moved(
     if moves is None:
         return None
     last, last_time = moves[-1]
-    end = max(last_time, int(draft.time[last]))
-    if not draft.free(device, start, end, (start, end)):
+    moved_until = max(last_time, int(draft.time[last]))
+    # The transition that absorbs the rest is shorter, or longer, than it would have been.
+    end = max(moved_until, int(draft.time[draft.after(last)]))
+    if not draft.free(device, start, moved_until, (start, end)):
         return None
-    draft.take(device, start, end, (start, end))
+    draft.take(device, start, moved_until, (start, end))
     for each, moved in moves:
         draft.time[each] = moved
     current, following = int(chains.state[position - 1]), int(chains.state[position])
