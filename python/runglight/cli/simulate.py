@@ -83,7 +83,7 @@ def simulate(
     return DONE
 
 
-application = App(name="simulate")
+application = App(name="simulate", default_parameter=Parameter(negative="", show_default=False))
 application.default(simulate)
 application.command(simulate_faults, name="faults")
 

@@ -120,11 +120,12 @@ def _without(
         return None
     departure, context = found
     start = int(draft.chains.time[first])
-    end = max(int(draft.chains.time[last + 1]), departure.time)
+    shown = max(int(draft.chains.time[last]), departure.time)
     device = draft.chains.device_at(first)
-    if not draft.free(device, start, end, context):
+    if not draft.free(device, start, shown, context):
         return None
-    draft.take(device, start, end, context)
+    draft.take(device, start, shown, context)
+    end = max(shown, int(draft.chains.time[last + 1]))
     for each in lost[:-1] if keep_last else lost:
         draft.drop(each)
     return _truth(draft, kind, first, departure, span=(start, end), text=text)
@@ -155,10 +156,11 @@ def _pulse(
     if found is None:
         return None
     departure, context = found
-    end = max(end, departure.time)
-    if not draft.free(device, start, end, context):
+    shown = max(end, departure.time)
+    if not draft.free(device, start, shown, context):
         return None
-    draft.take(device, start, end, context)
+    draft.take(device, start, shown, context)
+    end = max(shown, after)
     draft.insert(start, other, position - 1)
     draft.insert(start + width, present, position - 1)
     blink = f"blinks for {width / 1e9:g} s"
@@ -187,11 +189,12 @@ def _swap(
     if found is None:
         return None
     departure, context = found
-    end = max(second.time, departure.time)
+    shown = max(second.time, departure.time)
     device = draft.chains.device_at(position)
-    if first.time < draft.clean_until_ns or not draft.free(device, first.time, end, context):
+    if first.time < draft.clean_until_ns or not draft.free(device, first.time, shown, context):
         return None
-    draft.take(device, first.time, end, context)
+    draft.take(device, first.time, shown, context)
+    end = max(shown, int(draft.chains.time[position + 1]))
     draft.swap(position)
     earlier = draft.placement.state_name(*draft.chains.signal_value(first.state))
     return _truth(

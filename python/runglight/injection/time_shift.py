@@ -39,7 +39,8 @@ class TwoTimes:
     def of(self, long: bool) -> Integers:
         """All long, or all short times, but for outliers."""
         usual = (self.times >= self.least) & (self.times <= self.most)
-        return self.times[usual & ((self.times > self.border) == long)]
+        found: Integers = self.times[usual & ((self.times > self.border) == long)]
+        return found
 
 
 def inject_time_shifts(draft: Draft, plan: InjectionPlan, random: np.random.Generator) -> int:
