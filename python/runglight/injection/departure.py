@@ -27,27 +27,21 @@ class Departure(NamedTuple):
 
 
 def first_departure(
-    before: frozenset[int], steps: list[Step], known: Set[int], states: int, window_ns: int
+    before: list[int], steps: list[Step], known: Set[int], states: int, window_ns: int
 ) -> Departure | None:
-    """Follows the steps from any of the states `before`; None where a known way remains.
+    """Follows the steps from the events of the scan `before`; None where a known way remains.
 
     `known` holds transitions as `current * states + next`; steps nearer than `window_ns` are of
-    one scan.
+    one scan. The departure is the first unknown transition as the events stand.
     """
-    alive = before
+    alive = frozenset(before)
     for first, end in _scans(steps, window_ns):
-        scan = [step.state for step in steps[first:end]]
+        scan = tuple(step.state for step in steps[first:end])
         if len(scan) > ORDERS_AT_MOST:
             return None
-        reached = frozenset(
-            last for state in alive for last in _ends(state, tuple(scan), known, states)
-        )
-        if not reached:
-            current = steps[first - 1].state if first else min(alive)
-            return _named(
-                current if current in alive else min(alive), steps[first:end], known, states
-            )
-        alive = reached
+        alive = frozenset(last for state in alive for last in _ends(state, scan, known, states))
+        if not alive:
+            return _first_unknown(before[-1], steps[:end], known, states)
     return None
 
 
@@ -71,9 +65,10 @@ def _ends(state: int, scan: tuple[int, ...], known: Set[int], states: int) -> se
     return ends
 
 
-def _named(current: int, scan: list[Step], known: Set[int], states: int) -> Departure | None:
-    """The unknown transition as it reads in the scan's own order."""
-    for step in scan:
+def _first_unknown(
+    current: int, steps: list[Step], known: Set[int], states: int
+) -> Departure | None:
+    for step in steps:
         if current * states + step.state not in known:
             return Departure(step.time, current, step.state)
         current = step.state

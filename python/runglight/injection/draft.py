@@ -189,7 +189,7 @@ class Draft:
             *steps,
             *(self._step(position) for position in range(last + 1, end + 1)),
         ]
-        before = frozenset(chains.state[oldest:begin].tolist())
+        before: list[int] = chains.state[oldest:begin].tolist()
         found = first_departure(before, around, chains.known, chains.states, self.window_ns)
         if found is None:
             return None
