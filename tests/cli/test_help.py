@@ -29,6 +29,11 @@ LEARNING = (
     "--scan-interval",
     "--starting",
 )
+INJECTION = (
+    *("--faults", "--kinds", "--stuck", "--late", "--late-over", "--early", "--early-under"),
+    *("--longest", "--stalls", "--stall-over", "--branch-shifts", "--time-shifts"),
+    *("--shift-passes", "--shift-by", "--seed", "--from", "--after", "--spacing"),
+)
 
 
 @pytest.mark.parametrize(
@@ -42,12 +47,13 @@ LEARNING = (
         ("import", ("--to", *READER)),
         ("export", ("--to", *READER)),
         ("simulate", ("--log", "--cycles", "--seed", "--fault", "--labels", "--list")),
+        ("simulate faults", ("--to", "--labels", "--reference", *INJECTION, *READER)),
     ],
 )
 def test_every_option_is_explained(
     runglight: Command, command: str, options: tuple[str, ...]
 ) -> None:
-    helped = runglight(command, "--help")
+    helped = runglight(*command.split(), "--help")
     assert helped.returncode == 0, helped.stderr
     assert helped.stdout.startswith(f"Usage: runglight {command} ")
     lines = helped.stdout.splitlines()

@@ -35,7 +35,7 @@ COMMANDS = {
     "confirm": ("confirm:confirm", "Accept a finding's path: from now on it is nominal."),
     "import": ("import_log:import_log", "Turn any log into a change log."),
     "export": ("export:export", "Write a log for another tool: CSV, Parquet, XES, VCD."),
-    "simulate": ("simulate:simulate", "Write the log of a simulated plant, sound or broken."),
+    "simulate": ("simulate:application", "Write the log of a simulated plant, sound or broken."),
 }
 
 

@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import msgspec
-from cyclopts import Parameter
+from cyclopts import App, Parameter
 from rich import box
 from rich.table import Table
 from rich.text import Text
@@ -16,6 +16,7 @@ from runglight.cli import terminal
 from runglight.cli.exit_codes import DONE
 from runglight.cli.model_tables import counted
 from runglight.cli.output import output
+from runglight.cli.simulate_faults import simulate_faults
 from runglight.errors import InputError
 from runglight.log.changelog import Log
 from runglight.nearest import suggestion
@@ -99,6 +100,11 @@ def simulate(
         known = counted(len(run.symbols or description.symbols), "signal")
         console.print(Text(f"{symbols}: {known}"), soft_wrap=True)
     return DONE
+
+
+application = App(name="simulate", default_parameter=Parameter(negative="", show_default=False))
+application.default(simulate)
+application.command(simulate_faults, name="faults")
 
 
 def run_plant(
