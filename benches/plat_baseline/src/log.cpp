@@ -34,6 +34,8 @@ bool parse(const char* line, const char* end, Record& record) {
     return after != tab + 1 && after == end;
 }
 
+bool is_status(std::int64_t value) { return value == 0 || value == 1; }
+
 }  // namespace
 
 std::vector<Record> read_log(const std::string& path) {
@@ -57,15 +59,16 @@ std::vector<Record> read_log(const std::string& path) {
     return records;
 }
 
-SymbolList mark_events(std::vector<Record>& records, const std::set<std::string>& known_words) {
+SymbolList mark_events(std::vector<Record>& records, const std::set<std::string>* learned_words) {
     SymbolList symbols;
     if (records.empty()) return symbols;
-    std::set<std::string> words(known_words);
+    std::set<std::string> words;
+    if (learned_words) words = *learned_words;
     const std::int64_t first_ns = records[0].time_ns;
     bool image = false;
     for (std::size_t i = 0; i < records.size(); ++i) {
         const Record& record = records[i];
-        if (record.value != 0 && record.value != 1) words.insert(record.symbol);
+        if (!learned_words && !is_status(record.value)) words.insert(record.symbol);
         if (record.time_ns == first_ns && record.value == 0) image = true;
     }
     std::unordered_map<std::string, std::int64_t> values;
@@ -75,7 +78,7 @@ SymbolList mark_events(std::vector<Record>& records, const std::set<std::string>
         const bool changed = last == values.end() || last->second != record.value;
         values[record.symbol] = record.value;
         record.event = changed && !(image && record.time_ns == first_ns);
-        record.word = !words.empty() && words.count(record.symbol) > 0;
+        record.word = !is_status(record.value) || (!words.empty() && words.count(record.symbol) > 0);
         if (record.event) symbols[record.symbol].insert(record.value);
     }
     return symbols;

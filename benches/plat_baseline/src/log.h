@@ -23,7 +23,8 @@ typedef std::unordered_map<std::string, std::set<std::int64_t> > SymbolList;
 std::vector<Record> read_log(const std::string& path);
 
 // Marks events and words (decisions 1, 2 and 4 of tests/reference/plat.py) and returns the symbols.
-// The paper's logger writes changes only, so this stands for it and is never timed.
-SymbolList mark_events(std::vector<Record>& records, const std::set<std::string>& known_words);
+// The paper's logger writes changes only, so this stands for it and is never timed. Words are those
+// of the log when learning (`learned_words` is null), and those learned when watching.
+SymbolList mark_events(std::vector<Record>& records, const std::set<std::string>* learned_words);
 
 #endif

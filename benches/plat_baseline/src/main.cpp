@@ -112,11 +112,11 @@ int learn_command(Arguments& arguments) {
     parameters.merge_s = arguments.number("--merge", parameters.merge_s);
     parameters.support = arguments.number("--support", parameters.support);
     arguments.nothing_left();
-    if (parameters.k < 1 || parameters.epsilon <= 0.0) {
-        throw WrongUse("--k must be at least 1 and --epsilon above 0");
+    if (parameters.k < 1 || parameters.k > 255 || parameters.epsilon <= 0.0) {
+        throw WrongUse("--k lies between 1 and 255, and --epsilon above 0");
     }
     std::vector<Record> records = read_log(arguments.file(0));
-    const SymbolList symbols = mark_events(records, std::set<std::string>());
+    const SymbolList symbols = mark_events(records, NULL);
     const Stopwatch watch;
     const RuleSet rules = learn(records, symbols, parameters);
     const double seconds = watch.seconds();
@@ -185,7 +185,7 @@ int watch_with(const WatchOptions& options) {
             const Stopwatch reading;
             records = read_log(options.log);
             reading_s = options.from_file ? reading.seconds() : 0.0;
-            mark_events(records, words);
+            mark_events(records, &words);
         }
         monitor.reset(new Monitor<Index>(rules, seed, options.settings));
         const Stopwatch processing;

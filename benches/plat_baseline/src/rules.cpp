@@ -34,7 +34,10 @@ std::set<std::string> RuleSet::words() const {
         const std::string* const ends[2] = {&rules[i].current, &rules[i].next};
         for (int e = 0; e < 2; ++e) {
             const std::size_t equals = ends[e]->rfind('=');
-            if (equals != std::string::npos) words.insert(ends[e]->substr(0, equals));
+            if (equals != std::string::npos &&
+                ends[e]->find_first_not_of("-0123456789", equals + 1) == std::string::npos) {
+                words.insert(ends[e]->substr(0, equals));
+            }
         }
     }
     return words;
