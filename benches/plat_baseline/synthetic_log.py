@@ -1,4 +1,4 @@
-"""Writes two change logs of a made-up body shop of the paper's main size: one to learn, one to watch.
+"""Writes change logs of a made-up body shop of the paper's main size, to learn and to watch.
 
 Cyclic devices, no more: every device repeats its signal-states in a fixed order, with pairs that
 swap in some cycles (branches), steps that take two times, and a logger that stamps 10 ms. It has
@@ -26,6 +26,7 @@ PARTS = ("ADV_SENSOR", "RET_SENSOR", "PRT_CHK", "FORWARD_SOL", "BACKWARD_SOL", "
 
 
 def device_names() -> list[str]:
+    """Full names, spread evenly over the groups."""
     return [
         f"Body{device % GROUPS + 1}-ST{device // 60:02}_{KINDS[device % len(KINDS)]}{device:04}"
         for device in range(DEVICES)
@@ -35,7 +36,7 @@ def device_names() -> list[str]:
 def one_device(
     device: int, sizes: npt.NDArray[np.int64], cycles: int, chance: np.random.Generator
 ) -> tuple[npt.NDArray[np.int64], npt.NDArray[np.int64]]:
-    """Times (ns) and states (2 × signal of the device + value) of all cycles, one row a cycle."""
+    """Times (ns) and states (2 * signal of the device + value) of all cycles, one row a cycle."""
     signals = int(sizes[device])
     # The starting signal is a pulse; the others switch on in one order and off in another.
     on, off = chance.permutation(signals - 1) + 1, chance.permutation(signals - 1) + 1
@@ -43,10 +44,10 @@ def one_device(
     states = np.tile(order, (cycles, 1))
     for first in branch_sites(order, chance):
         swapped = chance.random(cycles) < 0.3
-        states[np.ix_(swapped, [first, first + 1])] = order[[first + 1, first]]
+        states[swapped, first], states[swapped, first + 1] = order[first + 1], order[first]
     steps_s = np.concatenate(([0.0, 0.55], chance.uniform(0.5, 300 / len(order), len(order) - 2)))
     taken_s = steps_s + chance.exponential(0.03, (cycles, len(order)))
-    taken_s[:, :2] = steps_s[:2] + chance.uniform(0, 0.2, (cycles, 1)) * [1, 0]
+    taken_s[:, 0], taken_s[:, 1] = chance.uniform(0, 0.2, cycles), steps_s[1]
     slow = np.flatnonzero(chance.random(len(order)) < TWO_TIMES / (2 * SIGNALS))
     slow = slow[slow > 2][:5]
     taken_s[:, slow] += 4.5 * (chance.random((cycles, len(slow))) < 0.4)
@@ -67,6 +68,7 @@ def branch_sites(order: npt.NDArray[np.int64], chance: np.random.Generator) -> l
 
 
 def write(path: Path, times_ns: npt.NDArray[np.int64], names: list[str], states: list[int]) -> None:
+    """Writes one log."""
     rows = (
         f"{time_ns}\t{names[state >> 1]}\t{state & 1}\n"
         for time_ns, state in zip(times_ns.tolist(), states, strict=True)
@@ -77,6 +79,7 @@ def write(path: Path, times_ns: npt.NDArray[np.int64], names: list[str], states:
 
 
 def main() -> None:
+    """Writes both logs."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("folder", type=Path)
     parser.add_argument("--learn", type=int, default=3_320_000, help="records to learn")

@@ -180,7 +180,7 @@ def test_every_variant_finds_the_same(
     program: Path, tmp_path: Path, index: str, probing: str
 ) -> None:
     rules = tmp_path / "rules.tsv"
-    rows = random_rows(2)
+    rows = random_rows(8)
     run(program, "learn", write_log(rows[:200], tmp_path / "learned.tsv"), rules)
     log = write_log(rows, tmp_path / "log.tsv")
     published = watch(program, rules, log)

@@ -3,9 +3,9 @@
 #include <sys/resource.h>
 
 #include <algorithm>
-#include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <exception>
 #include <map>
 #include <memory>
@@ -82,16 +82,31 @@ class Arguments {
     std::map<std::string, std::string> options_;
 };
 
+struct Seconds {
+    double wall;
+    double cpu;
+};
+
+bool less_wall(const Seconds& a, const Seconds& b) { return a.wall < b.wall; }
+bool less_cpu(const Seconds& a, const Seconds& b) { return a.cpu < b.cpu; }
+
 class Stopwatch {
   public:
-    Stopwatch() : start_(Clock::now()) {}
-    double seconds() const {
-        return std::chrono::duration<double>(Clock::now() - start_).count();
+    Stopwatch() : wall_(clock_seconds(CLOCK_MONOTONIC)), cpu_(clock_seconds(CLOCK_PROCESS_CPUTIME_ID)) {}
+    Seconds passed() const {
+        const Seconds seconds = {clock_seconds(CLOCK_MONOTONIC) - wall_,
+                                 clock_seconds(CLOCK_PROCESS_CPUTIME_ID) - cpu_};
+        return seconds;
     }
 
   private:
-    typedef std::chrono::steady_clock Clock;
-    Clock::time_point start_;
+    static double clock_seconds(clockid_t clock) {
+        timespec now;
+        clock_gettime(clock, &now);
+        return static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec) / 1e9;
+    }
+    double wall_;
+    double cpu_;
 };
 
 double per_second(std::size_t records, double seconds) {
@@ -119,13 +134,14 @@ int learn_command(Arguments& arguments) {
     const SymbolList symbols = mark_events(records, NULL);
     const Stopwatch watch;
     const RuleSet rules = learn(records, symbols, parameters);
-    const double seconds = watch.seconds();
+    const Seconds seconds = watch.passed();
     write_rules(rules, arguments.file(1));
     std::printf(
-        "{\"records\": %zu, \"seconds\": %.6f, \"records_per_second\": %.0f, \"signals\": %zu, "
+        "{\"records\": %zu, \"seconds\": %.6f, \"cpu_seconds\": %.6f, "
+        "\"records_per_second\": %.0f, \"signals\": %zu, "
         "\"devices\": %zu, \"groups\": %zu, \"rules\": %zu, \"peak_rss_bytes\": %ld}\n",
-        records.size(), seconds, per_second(records.size(), seconds), symbols.size(),
-        rules.devices.size(), rules.groups.size(), rules.rules.size(), peak_rss_bytes());
+        records.size(), seconds.wall, seconds.cpu, per_second(records.size(), seconds.wall),
+        symbols.size(), rules.devices.size(), rules.groups.size(), rules.rules.size(), peak_rss_bytes());
     return 0;
 }
 
@@ -176,32 +192,37 @@ int watch_with(const WatchOptions& options) {
     const std::set<std::string> words = rules.words();
     const std::uint32_t seed = collision_free_seed(rules);
     std::vector<Record> records;
-    std::vector<double> all_seconds;
+    std::vector<Seconds> runs;
     std::unique_ptr<Monitor<Index> > monitor;
     for (std::size_t run = 0; run < options.repeat; ++run) {
-        double reading_s = 0.0;
+        Seconds reading_s = {0.0, 0.0};
         if (run == 0 || options.from_file) {
             std::vector<Record>().swap(records);
             const Stopwatch reading;
             records = read_log(options.log);
-            reading_s = options.from_file ? reading.seconds() : 0.0;
+            if (options.from_file) reading_s = reading.passed();
             mark_events(records, &words);
         }
         monitor.reset(new Monitor<Index>(rules, seed, options.settings));
         const Stopwatch processing;
         for (std::size_t i = 0; i < records.size(); ++i) monitor->process(records[i], i + 1);
-        all_seconds.push_back(reading_s + processing.seconds());
+        Seconds seconds = processing.passed();
+        seconds.wall += reading_s.wall;
+        seconds.cpu += reading_s.cpu;
+        runs.push_back(seconds);
     }
-    std::sort(all_seconds.begin(), all_seconds.end());
-    const double seconds = all_seconds[all_seconds.size() / 2];
+    std::sort(runs.begin(), runs.end(), less_wall);
+    const double median_s = runs[runs.size() / 2].wall;
+    const double best_s = runs[0].wall;
+    const double best_cpu_s = std::min_element(runs.begin(), runs.end(), less_cpu)->cpu;
     const std::vector<Finding>& findings = monitor->findings();
     if (!options.findings.empty()) write_findings(findings, options.findings);
     if (!options.snapshot.empty()) write_text(monitor->snapshot(), options.snapshot);
     std::printf(
-        "{\"records\": %zu, \"seconds\": %.6f, \"best_seconds\": %.6f, \"records_per_second\": "
-        "%.0f, \"unknown\": %zu, \"late\": %zu, \"stalls\": %zu, \"transition_probability\": %zu, "
+        "{\"records\": %zu, \"seconds\": %.6f, \"best_seconds\": %.6f, \"cpu_seconds\": %.6f, "
+        "\"records_per_second\": %.0f, \"unknown\": %zu, \"late\": %zu, \"stalls\": %zu, \"transition_probability\": %zu, "
         "\"time_probability\": %zu, \"average_time\": %zu, \"unknown_devices\": %zu, \"probes\": {",
-        records.size(), seconds, all_seconds[0], per_second(records.size(), seconds),
+        records.size(), median_s, best_s, best_cpu_s, per_second(records.size(), median_s),
         count_kind(findings, "transition"), count_kind(findings, "late"),
         count_kind(findings, "stall"), count_kind(findings, "transition_probability"),
         count_kind(findings, "time_probability"), count_kind(findings, "average_time"),
