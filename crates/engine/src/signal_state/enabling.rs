@@ -147,7 +147,7 @@ impl<'a> Search<'a> {
         finalists
             .into_iter()
             .filter_map(|states| {
-                let delays = self.delays(instances, states, next)?;
+                let delays = self.delays(instances, own_s, states, next)?;
                 let spread = residual_spread(&delays);
                 (spread <= GAIN * own_spread).then_some((spread, delays, states))
             })
@@ -243,13 +243,20 @@ impl<'a> Search<'a> {
     }
 
     /// Sorted delays of all instances from the later of the states; `None` where more than a few
-    /// instances came without a fresh one: each occurrence enables a transition once.
-    fn delays(&self, instances: &[u32], states: [StateId; 2], next: StateId) -> Option<Vec<f64>> {
+    /// instances came without a fresh one: each occurrence enables a transition once, and only
+    /// what happens while the device waits enables it.
+    fn delays(
+        &self,
+        instances: &[u32],
+        own_s: &[f64],
+        states: [StateId; 2],
+        next: StateId,
+    ) -> Option<Vec<f64>> {
         let mut delays: Vec<f64> = Vec::with_capacity(instances.len());
         let mut cursors = [0usize; 2];
         let entries = &self.by_state[next as usize];
         let mut entry = 0;
-        for &index in instances {
+        for (&index, &own) in instances.iter().zip(own_s) {
             let here = self.happenings[index as usize];
             entry += entries[entry..].partition_point(|&other| other < index);
             let before = entry.checked_sub(1).map(|at| self.happenings[entries[at] as usize]);
@@ -272,7 +279,8 @@ impl<'a> Search<'a> {
                 fresh &= time.is_some() && time >= before;
                 latest = latest.max(time);
             }
-            delays.extend(latest.filter(|_| fresh).map(|time| seconds(here.time - time)));
+            let delay = latest.filter(|_| fresh).map(|time| seconds(here.time - time));
+            delays.extend(delay.filter(|&delay| delay <= own));
         }
         delays.sort_unstable_by(f64::total_cmp);
         (delays.len() as f64 >= EXPLAINED * instances.len() as f64).then_some(delays)

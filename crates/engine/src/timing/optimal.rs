@@ -43,6 +43,7 @@ pub fn cluster(sorted: &[f64], resolution_s: f64) -> Vec<TimeCluster> {
             let mut cluster = TimeCluster::of(run, sorted.len());
             (cluster.early_scale_s, cluster.late_scale_s) = half_scales(run);
             cluster.deviation_s = deviation(run, cluster.average_s);
+            cluster.tail_gini = tail_gini(run);
             cluster
         })
         .collect()
@@ -224,6 +225,40 @@ fn separated(left: &[f64], right: &[f64], resolution_s: f64) -> bool {
     let n = (left.len() + right.len()) as f64;
     let by_chance = n * (1.0 - gap / (last - first)).powf(n - 1.0);
     gap > SEPARATION * spread.max(resolution_s) && by_chance <= CHANCE_GAP
+}
+
+/// Gini coefficient of the distances from the median; ½ where there is none to measure.
+fn tail_gini(run: &[f64]) -> f64 {
+    let n = run.len();
+    let median = run[n / 2];
+    // Distances in ascending order: the two halves, merged from the middle outwards.
+    let (mut below, mut above) =
+        (run[..n / 2].iter().rev().peekable(), run[n / 2..].iter().peekable());
+    let (mut total, mut weighted) = (0.0, 0.0);
+    for rank in 1..=n {
+        let distance = match (below.peek(), above.peek()) {
+            (Some(&&b), Some(&&a)) if median - b < a - median => {
+                below.next();
+                median - b
+            }
+            (Some(&&b), None) => {
+                below.next();
+                median - b
+            }
+            (_, Some(&&a)) => {
+                above.next();
+                a - median
+            }
+            (None, None) => break,
+        };
+        total += distance;
+        weighted += rank as f64 * distance;
+    }
+    if total > 0.0 {
+        2.0 * weighted / (n as f64 * total) - (n as f64 + 1.0) / n as f64
+    } else {
+        0.5
+    }
 }
 
 fn deviation(run: &[f64], mean: f64) -> f64 {
