@@ -35,13 +35,27 @@ pub struct Accepted {
     pub late_s: f64,
 }
 
-/// Accepted times per cluster at tail probability `alpha` per transition. An empty answer means
-/// that no time is remarkable, since too few were seen.
-pub fn adaptive(clusters: &[TimeCluster], alpha: f64, resolution_s: f64) -> Vec<Accepted> {
+/// A tail probability per transition, and the normal deviate that goes with it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tail {
+    alpha: f64,
+    z: f64,
+}
+
+impl Tail {
+    /// The tail passed with probability `alpha`.
+    pub fn new(alpha: f64) -> Self {
+        Self { alpha, z: normal_quantile(alpha) }
+    }
+}
+
+/// Accepted times per cluster for a tail probability per transition. An empty answer means that
+/// no time is remarkable, since too few were seen.
+pub fn adaptive(clusters: &[TimeCluster], tail: Tail, resolution_s: f64) -> Vec<Accepted> {
+    let Tail { alpha, z } = tail;
     if !clusters.iter().any(|c| c.instances >= BODY_INSTANCES) {
         return Vec::new();
     }
-    let z = normal_quantile(alpha);
     clusters
         .iter()
         .map(|cluster| {

@@ -15,6 +15,19 @@ const SEPARATION: f64 = 3.0;
 /// probability. Without it a handful of instances falls apart into single ones.
 const CHANCE_GAP: f64 = 1e-3;
 
+/// False where even the widest gap is one that chance leaves, so that nothing can be told apart.
+fn has_wide_gap(sorted: &[f64], resolution_s: f64) -> bool {
+    let range = sorted[sorted.len() - 1] - sorted[0];
+    let widest = sorted.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+    widest > SEPARATION * resolution_s && chance_of_gap(sorted.len(), widest / range) <= CHANCE_GAP
+}
+
+/// The widest of the spacings between n points spread evenly over a range exceeds the share `gap`
+/// of it with at most this probability: n (1 − gap)^(n−1) (Fisher 1929, first term).
+fn chance_of_gap(n: usize, gap: f64) -> f64 {
+    n as f64 * (1.0 - gap).powf(n as f64 - 1.0)
+}
+
 /// One value, or several pooled neighbours.
 #[derive(Clone, Copy)]
 struct Point {
@@ -30,13 +43,11 @@ pub fn cluster(sorted: &[f64], resolution_s: f64) -> Vec<TimeCluster> {
     if sorted.is_empty() {
         return Vec::new();
     }
-    let points = points(sorted);
-    let floor = (resolution_s / 12f64.sqrt()).max(1e-6);
-    let spread = sorted[sorted.len() - 1] - sorted[0];
-    let starts = if points.len() == 1 || spread <= SEPARATION * resolution_s {
-        vec![0]
+    let starts = if has_wide_gap(sorted, resolution_s) {
+        let floor = (resolution_s / 12f64.sqrt()).max(1e-6);
+        best_starts(sorted, &points(sorted), floor)
     } else {
-        best_starts(sorted, &points, floor)
+        vec![0]
     };
     join_unseparated(sorted, &starts, resolution_s)
         .map(|run| {
@@ -220,10 +231,7 @@ fn separated(left: &[f64], right: &[f64], resolution_s: f64) -> bool {
     };
     let gap = right_first - left_last;
     let spread = half_scales(left).1.max(half_scales(right).0);
-    // The widest of the spacings between n points spread evenly over a range (Fisher 1929, first
-    // term): P(widest > g) ≤ n (1 − g/range)^(n−1).
-    let n = (left.len() + right.len()) as f64;
-    let by_chance = n * (1.0 - gap / (last - first)).powf(n - 1.0);
+    let by_chance = chance_of_gap(left.len() + right.len(), gap / (last - first));
     gap > SEPARATION * spread.max(resolution_s) && by_chance <= CHANCE_GAP
 }
 
