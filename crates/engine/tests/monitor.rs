@@ -1,6 +1,8 @@
 //! The monitor from outside: any batch split and any checkpoint give the same findings; gaps
 //! resynchronise; stalls are told at the time they fall due.
 
+#![allow(clippy::expect_used, reason = "a test that cannot go on says why")]
+
 use std::sync::Arc;
 
 use proptest::prelude::*;

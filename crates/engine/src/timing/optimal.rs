@@ -159,8 +159,9 @@ fn fill(
         return;
     }
     let middle = low.midpoint(high);
-    for start in cut_low..=cut_high.min(middle - 1) {
-        let cost = before[start] + prefix.cost(start, middle);
+    let last = cut_high.min(middle - 1);
+    for (start, &cost_before) in before.iter().enumerate().take(last + 1).skip(cut_low) {
+        let cost = cost_before + prefix.cost(start, middle);
         if cost < next[middle] {
             next[middle] = cost;
             cut[middle] = start;
