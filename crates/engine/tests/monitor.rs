@@ -131,7 +131,7 @@ proptest! {
 
     #[test]
     fn what_was_learned_is_no_alarm(nominal in random_log(300)) {
-        let Ok(model) = learn(&[nominal.clone()], &SymbolTable::default(), &Parameters::default()) else {
+        let Ok(model) = learn(std::slice::from_ref(&nominal), &SymbolTable::default(), &Parameters::default()) else {
             return Ok(());
         };
         let findings = watch_whole(&Arc::new(model), &rows_of(&nominal));
