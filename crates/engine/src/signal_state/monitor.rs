@@ -131,6 +131,13 @@ struct Entry {
     before: Nanoseconds,
 }
 
+/// Since when a device had been waiting, and whether another's delay may be the reason.
+#[derive(Debug, Clone, Copy)]
+struct Waiting {
+    since: Nanoseconds,
+    inherits: bool,
+}
+
 /// A transition and how long it took.
 #[derive(Debug, Clone, Copy)]
 struct Timed {
@@ -692,7 +699,8 @@ impl Monitor {
         finding.limit_s = Some(limit_s);
         finding.suspects = message::time_suspects(&model, rule);
         finding.message = message::time(&model, rule, timed.as_learned, &finding);
-        self.place(finding, chain, kind, timed.since);
+        let inherits = !timed.as_learned || model.evidence.is_open_wait(&model.rules[rule]);
+        self.place(finding, chain, kind, Waiting { since: timed.since, inherits });
     }
 
     fn report_unknown(
@@ -726,7 +734,7 @@ impl Monitor {
             time,
         );
         let deadline = time.saturating_add(self.fresh_for);
-        let placed = self.place(finding, chain, kind, since);
+        let placed = self.place(finding, chain, kind, Waiting { since, inherits: false });
         self.watch.off_path[chain] = true;
         self.watch.next_deadline = self.watch.next_deadline.min(deadline);
         self.watch.open.push(OpenPath {
@@ -870,7 +878,8 @@ impl Monitor {
         finding.path = vec![self.state_name(last)];
         finding.suspects = message::stall_suspects(&model, last, signal);
         finding.message = message::stall(&finding);
-        let placed = self.place(finding, device, ChainKind::Device, since);
+        let waiting = Waiting { since, inherits: false };
+        let placed = self.place(finding, device, ChainKind::Device, waiting);
         self.watch.group_stalled[group] = Some(placed);
     }
 
@@ -911,7 +920,7 @@ impl Monitor {
             finding.observed_s = Some(departure.observed);
             finding.limit_s = Some(departure.learned);
             finding.message = message::departure(&model, &departure, &finding);
-            self.place(finding, rule.chain, kind, time);
+            self.place(finding, rule.chain, kind, Waiting { since: time, inherits: false });
         }
         for index in 0..model.rules.len() {
             if model.chains.group_of(model.rules[index].chain) == group {
@@ -970,7 +979,7 @@ impl Monitor {
         mut finding: Finding,
         chain: ChainIndex,
         kind: ChainKind,
-        waiting_since: Nanoseconds,
+        waiting: Waiting,
     ) -> Finding {
         if finding.id.is_empty() {
             finding.id = stable_id(
@@ -987,7 +996,8 @@ impl Monitor {
             kind: finding.kind,
             chain,
             chain_kind: kind,
-            waiting_since,
+            inherits: waiting.inherits,
+            waiting_since: waiting.since,
             time: finding.time,
         };
         // What is no alarm itself explains none.
