@@ -89,6 +89,14 @@ impl Lanes {
         row.into_iter().find(|&rule| self.lanes[rule].next == next)
     }
 
+    /// Reads a rule's lane and first band, so that they are at hand when their turn comes.
+    #[inline]
+    pub fn touch(&self, rule: usize) -> Nanoseconds {
+        let lane = self.lanes.get(rule);
+        let band = lane.and_then(|lane| self.bands.get(lane.first_band as usize));
+        band.map_or(0, |band| band.late)
+    }
+
     /// True where the rule's time runs from another event.
     #[inline]
     pub fn waits(&self, rule: usize) -> bool {

@@ -40,6 +40,8 @@ const REORDER_AT_MOST: usize = 6;
 const KNOWN_TO_RETURN: u8 = 2;
 /// Distinct alarm paths offered for confirmation.
 const OFFERS_AT_MOST: usize = 10_000;
+/// Rows whose lanes are fetched ahead of their turn.
+const WARMED_ROWS: usize = 16;
 /// Snapshots kept until somebody takes them.
 const SNAPSHOTS_AT_MOST: usize = 256;
 /// A state not entered since the start or a gap.
@@ -255,13 +257,17 @@ impl Monitor {
             }
             newest = row.time;
         }
-        let mut rest = rows;
-        while let [row, after @ ..] = rest {
-            match after {
-                [next, ..] if self.stands_alone(*row, *next) => self.take_alone(*row),
-                _ => self.take(*row),
+        for start in (0..rows.len()).step_by(WARMED_ROWS) {
+            let end = rows.len().min(start + WARMED_ROWS);
+            self.warm(&rows[start..end]);
+            for index in start..end {
+                match rows.get(index + 1) {
+                    Some(next) if self.stands_alone(rows[index], *next) => {
+                        self.take_alone(rows[index]);
+                    }
+                    _ => self.take(rows[index]),
+                }
             }
-            rest = after;
         }
         Ok(std::mem::take(&mut self.findings))
     }
