@@ -50,6 +50,8 @@ const PARTNER: f64 = 0.08;
 const FINALISTS: usize = 6;
 /// A trigger must leave no more than this share of the own spread.
 const GAIN: f64 = 0.5;
+/// Steps (of the natural logarithm of the spread) by which several distances must beat one.
+const SEVERAL: f64 = 2.0;
 /// Own times spreading less than this many resolutions, or this share of the time, are tight.
 const TIGHT_RESOLUTIONS: f64 = 5.0;
 const TIGHT_SHARE: f64 = 0.01;
@@ -113,7 +115,9 @@ pub struct Search<'a> {
 /// A candidate after the vote.
 struct Candidate {
     state: StateId,
-    /// Voters that met it at a steady distance.
+    /// How many voters met it.
+    met: u32,
+    /// Those that met it at one steady distance.
     mask: u32,
     /// Least and greatest of those distances, in seconds.
     window: (f64, f64),
@@ -197,11 +201,14 @@ impl<'a> Search<'a> {
                 let spread = residual_spread(&delays);
                 (spread <= GAIN * own_spread).then_some((spread, delays, states))
             })
-            // The shorter delay stands nearer to the cause where two explain equally well.
+            // Several distances must explain far better than one; and the shorter delay stands
+            // nearer to the cause where two explain equally well.
             .min_by(|a, b| {
                 let rank = |(spread, delays, _): &(f64, Vec<f64>, _)| {
-                    (spread.max(self.resolution_s) / self.resolution_s).ln().round() * 1e6
-                        + delays[delays.len() / 2]
+                    let n = delays.len();
+                    let several = delays[n - 1 - n / 20] - delays[n / 20] > steady;
+                    let left = (spread.max(self.resolution_s) / self.resolution_s).ln().round();
+                    (left + if several { SEVERAL } else { 0.0 }) * 1e6 + delays[n / 2]
                 };
                 rank(a).total_cmp(&rank(b))
             })
@@ -238,7 +245,8 @@ impl<'a> Search<'a> {
                 && let Some((mask, window)) = densest(run, steady)
                 && (mask.count_ones() >= u32::from(least) || run[0].state == current)
             {
-                candidates.push(Candidate { state: run[0].state, mask, window });
+                let met = run.len() as u32;
+                candidates.push(Candidate { state: run[0].state, met, mask, window });
             }
         }
         self.meetings = meetings;
@@ -368,12 +376,21 @@ fn densest(meetings: &[Meeting], steady: f64) -> Option<(u32, (f64, f64))> {
 /// The most promising single triggers and joins.
 fn finalists(candidates: &[Candidate], voters: usize, steady: f64) -> Vec<[StateId; 2]> {
     let needed = (EXPLAINED * voters as f64).ceil() as u32;
-    let mut singles: Vec<&Candidate> =
-        candidates.iter().filter(|c| c.mask.count_ones() >= needed).collect();
-    let spread = |window: (f64, f64)| window.1 - window.0;
-    singles.sort_by(|a, b| spread(a.window).total_cmp(&spread(b.window)));
-    let mut finalists: Vec<[StateId; 2]> =
-        singles.iter().take(FINALISTS).map(|c| [c.state, NO_STATE]).collect();
+    let spread = |c: &Candidate| c.window.1 - c.window.0;
+    let best = |mut singles: Vec<&Candidate>| {
+        singles.sort_by(|a, b| spread(a).total_cmp(&spread(b)));
+        singles.into_iter().take(FINALISTS).map(|c| [c.state, NO_STATE]).collect::<Vec<_>>()
+    };
+    let (steady_ones, others): (Vec<&Candidate>, Vec<&Candidate>) =
+        candidates.iter().partition(|c| c.mask.count_ones() >= needed);
+    let mut finalists = best(steady_ones);
+    // A program may act after one time or another: met by all, at a few steady distances.
+    finalists.extend(best(
+        others
+            .into_iter()
+            .filter(|c| c.met >= needed && 3 * c.mask.count_ones() >= needed)
+            .collect(),
+    ));
     let mut partners: Vec<&Candidate> = candidates.iter().collect();
     partners.sort_by_key(|c| std::cmp::Reverse(c.mask.count_ones()));
     partners.truncate(24);
