@@ -16,7 +16,7 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use runglight_engine::log::SignalIndex;
-use runglight_engine::plant::Plant;
+use runglight_engine::plant::{Device, Group, Plant, Signal};
 use runglight_engine::signal_state::model::{Learned, NominalModel};
 use runglight_engine::signal_state::parameters::Parameters;
 use runglight_engine::signal_state::states::States;
@@ -83,11 +83,17 @@ pub struct Provenance {
     pub source: Vec<String>,
 }
 
+/// Read first, so that an older layout is named before anything else is tried.
+#[derive(Deserialize)]
+struct Layout {
+    format: Option<u64>,
+}
+
 #[derive(Serialize, Deserialize)]
 struct Manifest {
     format: u32,
-    #[serde(flatten)]
-    provenance: Provenance,
+    created: String,
+    source: Vec<String>,
     parameters: Parameters,
     learned: Learned,
     /// Checksum of `rules.parquet`, xxh3 in hexadecimal.
@@ -95,8 +101,10 @@ struct Manifest {
     rules: usize,
     /// Values of words beyond 0 and 1, in the order of their state numbers.
     word_states: Vec<(SignalIndex, i64)>,
-    #[serde(flatten)]
-    plant: Plant,
+    signals: Vec<Signal>,
+    devices: Vec<Device>,
+    groups: Vec<Group>,
+    unplaced: Vec<String>,
 }
 
 /// Writes a model, replacing an older one of that name.
@@ -142,13 +150,17 @@ fn write_files(model: &NominalModel, provenance: &Provenance, into: &Path) -> io
     write_synced(&into.join(RULES), &bytes)?;
     let manifest = Manifest {
         format: MODEL_FORMAT,
-        provenance: provenance.clone(),
+        created: provenance.created.clone(),
+        source: provenance.source.clone(),
         parameters: model.parameters.clone(),
         learned: model.learned.clone(),
         rules_checksum: checksum(&bytes),
         rules: model.rules.len(),
         word_states: model.states.further().to_vec(),
-        plant: model.plant.clone(),
+        signals: model.plant.signals.clone(),
+        devices: model.plant.devices.clone(),
+        groups: model.plant.groups.clone(),
+        unplaced: model.plant.unplaced.clone(),
     };
     let text = serde_json::to_vec_pretty(&manifest).map_err(io::Error::other)?;
     write_synced(&into.join(MANIFEST), &text)
@@ -196,48 +208,53 @@ pub fn load(path: &Path) -> Result<(NominalModel, Provenance), ModelError> {
         })
     };
     let text = read(MANIFEST)?;
-    let value: serde_json::Value = serde_json::from_slice(&text)
+    let layout: Layout = serde_json::from_slice(&text)
         .map_err(|_| damaged("manifest.json is not JSON".to_owned()))?;
-    let found = value
-        .get("format")
-        .and_then(serde_json::Value::as_u64)
-        .ok_or_else(|| damaged("manifest.json names no format".to_owned()))?;
+    let found = layout.format.ok_or_else(|| damaged("manifest.json names no format".to_owned()))?;
     if found != u64::from(MODEL_FORMAT) {
         return Err(ModelError::Version { path: path.to_owned(), found });
     }
-    let manifest: Manifest = serde_json::from_value(value)
+    let manifest: Manifest = serde_json::from_slice(&text)
         .map_err(|error| damaged(format!("manifest.json: {error}")))?;
-    check_plant(&manifest).map_err(|problem| damaged(problem.to_owned()))?;
+    drop(text);
+    let plant = Plant {
+        signals: manifest.signals,
+        devices: manifest.devices,
+        groups: manifest.groups,
+        unplaced: manifest.unplaced,
+    };
+    check_plant(&plant, &manifest.word_states, &manifest.learned)
+        .map_err(|problem| damaged(problem.to_owned()))?;
+    manifest
+        .parameters
+        .validate()
+        .map_err(|_| damaged("a parameter is out of range".to_owned()))?;
     let bytes = read(RULES)?;
     if checksum(&bytes) != manifest.rules_checksum {
         return Err(damaged(
             "rules.parquet is not the one the manifest was written with".to_owned(),
         ));
     }
-    let mut states = States::new(manifest.plant.signals.len());
+    let mut states = States::new(plant.signals.len());
     for &(signal, value) in &manifest.word_states {
         states.intern(signal, value);
     }
     let rules = ParquetRecordBatchReaderBuilder::try_new(bytes::Bytes::from(bytes))
         .and_then(|builder| builder.build())
         .ok()
-        .and_then(|reader| reader.collect::<Result<Vec<_>, _>>().ok())
-        .and_then(|batches| rules_table::from_batches(&batches, &manifest.plant, &mut states))
+        .and_then(|batches| rules_table::from_batches(batches, &plant, &mut states))
         .filter(|rules| rules.len() == manifest.rules)
         .ok_or_else(|| damaged("rules.parquet does not fit the manifest".to_owned()))?;
-    let model = NominalModel::assemble(
-        manifest.plant,
-        states,
-        rules,
-        manifest.learned,
-        manifest.parameters,
-    );
-    Ok((model, manifest.provenance))
+    let model = NominalModel::assemble(plant, states, rules, manifest.learned, manifest.parameters);
+    Ok((model, Provenance { created: manifest.created, source: manifest.source }))
 }
 
 /// Every index the engine will follow must lead somewhere.
-fn check_plant(manifest: &Manifest) -> Result<(), &'static str> {
-    let plant = &manifest.plant;
+fn check_plant(
+    plant: &Plant,
+    word_states: &[(SignalIndex, i64)],
+    learned: &Learned,
+) -> Result<(), &'static str> {
     let signals = plant.signals.len();
     let signal_ok = |s: SignalIndex| (s as usize) < signals;
     if plant.signals.iter().any(|s| s.device >= plant.devices.len()) {
@@ -248,13 +265,13 @@ fn check_plant(manifest: &Manifest) -> Result<(), &'static str> {
     }) {
         return Err("a device names a group or signal that is not there");
     }
-    if manifest.word_states.iter().any(|&(signal, _)| !signal_ok(signal)) {
+    if word_states.iter().any(|&(signal, _)| !signal_ok(signal)) {
         return Err("a word state names a signal that is not there");
     }
-    if manifest.learned.group_start.len() != plant.groups.len()
-        || manifest.learned.longest_pause.len() != plant.groups.len()
+    if learned.group_start.len() != plant.groups.len()
+        || learned.longest_pause.len() != plant.groups.len()
     {
         return Err("the number of groups does not fit");
     }
-    manifest.parameters.validate().map_err(|_| "a parameter is out of range")
+    Ok(())
 }

@@ -10,7 +10,7 @@ use arrow_array::builder::{Float64Builder, Int64Builder, StringBuilder};
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};
 use arrow_array::{Array, ArrayRef, RecordBatch};
-use arrow_schema::{DataType, Field, Schema, SchemaRef};
+use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef};
 
 use runglight_engine::plant::Plant;
 use runglight_engine::signal_state::chains::ChainKind;
@@ -202,15 +202,16 @@ pub fn trigger_name(model: &NominalModel, rule: &Rule) -> Option<String> {
     Some(names.collect::<Vec<_>>().join(BOTH))
 }
 
-/// Reads rules back; `None` where a row does not fit the plant or a column is missing.
+/// Reads rules back, a batch at a time; `None` where a row does not fit the plant or a column is missing.
 pub fn from_batches(
-    batches: &[RecordBatch],
+    batches: impl IntoIterator<Item = Result<RecordBatch, ArrowError>>,
     plant: &Plant,
     states: &mut States,
 ) -> Option<Vec<Rule>> {
     let names = StateNames::of(plant);
     let mut rules: Vec<Rule> = Vec::new();
     for batch in batches {
+        let batch = &batch.ok()?;
         let table = Table { batch };
         for row in 0..batch.num_rows() {
             let rule = table.rule(row, plant, &names, states)?;

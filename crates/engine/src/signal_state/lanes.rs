@@ -59,7 +59,7 @@ impl Lanes {
         };
         for (index, rule) in model.rules.iter().enumerate() {
             let first_band = lanes.bands.len() as u32;
-            bands(model, rule, &model.accepted[index], &mut lanes.bands);
+            bands(model, rule, &model.accepted(index), &mut lanes.bands);
             lanes.lanes.push(Lane {
                 next: rule.next,
                 count: 0,

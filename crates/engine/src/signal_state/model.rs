@@ -49,8 +49,7 @@ pub struct NominalModel {
     pub(super) chains: Chains,
     pub(super) evidence: Evidence,
     pub(super) budget: Budget,
-    /// Accepted times, per rule and cluster; empty where no time is remarkable.
-    pub(super) accepted: Vec<Vec<Accepted>>,
+    tail: Tail,
     /// For rules with an enabling event: accepted times since the device's own last event, for
     /// when the transition happens without a fresh one.
     pub(super) accepted_without: HashMap<usize, Vec<Accepted>>,
@@ -74,15 +73,6 @@ impl NominalModel {
         let evidence = Evidence::of(&rules, &chains, resolution_s);
         let budget = Budget::of(&parameters, &learned, &rules, &chains);
         let tail = Tail::new(budget.per_time);
-        let accepted = rules
-            .iter()
-            .map(|rule| match parameters.timing {
-                Timing::Plat => limits::plat(&rule.clusters, parameters.allowance_s),
-                // A group's chain repeats what its devices' chains say more sharply.
-                Timing::Adaptive if chains.kind(rule.chain) == ChainKind::Group => Vec::new(),
-                Timing::Adaptive => limits::adaptive(rule.judged(), tail, resolution_s),
-            })
-            .collect();
         let accepted_without = rules
             .iter()
             .enumerate()
@@ -99,7 +89,7 @@ impl NominalModel {
             chains,
             evidence,
             budget,
-            accepted,
+            tail,
             accepted_without,
         }
     }
@@ -162,14 +152,29 @@ impl NominalModel {
     pub fn limits_of(&self, rule: &Rule) -> Vec<(f64, f64)> {
         let row = super::rules::row_of(rule.current, self.kind(rule.chain));
         self.table.find(row, rule.next).map_or_else(Vec::new, |index| {
-            self.accepted[index].iter().map(|a| (a.early_s, a.late_s)).collect()
+            self.accepted(index).iter().map(|a| (a.early_s, a.late_s)).collect()
         })
+    }
+
+    /// Accepted times of a rule, by time cluster; empty where no time is remarkable. Worked out
+    /// when something departs: the hot loop has them as bands.
+    pub(super) fn accepted(&self, rule: usize) -> Vec<Accepted> {
+        let rule = &self.rules[rule];
+        match self.parameters.timing {
+            Timing::Plat => limits::plat(&rule.clusters, self.parameters.allowance_s),
+            // A group's chain repeats what its devices' chains say more sharply.
+            Timing::Adaptive if self.kind(rule.chain) == ChainKind::Group => Vec::new(),
+            Timing::Adaptive => {
+                let resolution_s = self.learned.resolution as f64 / SECOND as f64;
+                limits::adaptive(rule.judged(), self.tail, resolution_s)
+            }
+        }
     }
 
     /// Seconds after which a time is late, for the cluster that takes longest; `None` where no
     /// time is.
     pub(super) fn latest_s(&self, rule: usize) -> Option<f64> {
-        self.accepted[rule].iter().map(|a| a.late_s).reduce(f64::max)
+        self.accepted(rule).iter().map(|a| a.late_s).reduce(f64::max)
     }
 
     /// How long a group may pause before it has stopped.

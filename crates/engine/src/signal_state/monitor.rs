@@ -8,6 +8,7 @@ mod paths;
 mod report;
 mod scan;
 
+use std::borrow::Cow;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -425,11 +426,11 @@ impl Monitor {
     }
 
     /// Accepted times of a rule: since its enabling event, or without one.
-    fn accepted(&self, rule: usize, timed: Timed) -> &[Accepted] {
+    fn accepted(&self, rule: usize, timed: Timed) -> Cow<'_, [Accepted]> {
         if timed.as_learned {
-            &self.model.accepted[rule]
+            Cow::Owned(self.model.accepted(rule))
         } else {
-            self.model.accepted_without.get(&rule).map_or(&[], Vec::as_slice)
+            Cow::Borrowed(self.model.accepted_without.get(&rule).map_or(&[], Vec::as_slice))
         }
     }
 

@@ -29,11 +29,11 @@ impl Monitor {
         let seconds = timed.seconds();
         let (found, limit_s) = match model.parameters.timing {
             Timing::Plat => {
-                let limits = &model.accepted[rule];
+                let limits = model.accepted(rule);
                 let cluster = self.nearest_maximum(rule, seconds);
                 (Kind::Late, cluster.map_or(f64::INFINITY, |cluster| limits[cluster].late_s))
             }
-            Timing::Adaptive => broken_limit(self.accepted(rule, timed), seconds),
+            Timing::Adaptive => broken_limit(&self.accepted(rule, timed), seconds),
         };
         let affordable = model.parameters.timing == Timing::Plat
             || model.evidence.odd_time(&model.rules[rule], seconds) <= model.budget.per_time;
