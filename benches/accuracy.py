@@ -74,7 +74,7 @@ def _measure_plant(size: str, options: Options) -> dict[str, Any]:
         waits = frozenset(label.id for label in injected.labels if plant.waiting(label))
         by_log.append(_detected(variants, injected.log, injected.labels, waits))
         late = insert_late(plant, LATE[size], OVER[size], seed)
-        by_truth.append(_detected(variants, late.log, late.labels, late.waits))
+        by_truth.append(_detected(variants, late.log, late.labels, late.waits, late.hidden))
     return {
         "plant_seeds": list(_plant_seeds(options)),
         "seeds": list(options.seeds),
@@ -123,7 +123,11 @@ def _first_lines(findings: Iterable[dict[str, Any]]) -> Iterable[dict[str, Any]]
 
 
 def _detected(
-    variants: list[Variant], log: rl.Log, labels: list[InjectionLabel], waits: frozenset[str]
+    variants: list[Variant],
+    log: rl.Log,
+    labels: list[InjectionLabel],
+    waits: frozenset[str],
+    hidden: frozenset[str] = frozenset(),
 ) -> dict[str, Any]:
     found = {}
     for variant in variants:
@@ -131,17 +135,20 @@ def _detected(
         of_variant: dict[str, Any] = {}
         for severities in SEVERITIES:
             told = score(labels, findings, severities=severities)
-            of_variant[severities] = _counts(told, labels, waits)
+            of_variant[severities] = _counts(told, labels, waits, hidden)
         found[variant.name] = of_variant
     return found
 
 
-def _counts(told: Score, labels: list[InjectionLabel], waits: frozenset[str]) -> dict[str, int]:
+def _counts(
+    told: Score, labels: list[InjectionLabel], waits: frozenset[str], hidden: frozenset[str]
+) -> dict[str, int]:
     missed = set(told.missed)
     counts: Counter[str] = Counter(false=told.false, consequences=told.consequences)
     for label in labels:
         if label.kind == "late":
             kind = "late_waits" if label.id in waits else "late_own"
+            kind = "late_hidden" if label.id in hidden else kind
         else:
             kind = f"fault {label.kind}"
             counts["faults"] += 1
@@ -184,7 +191,7 @@ def figures(results: dict[str, Any]) -> list[dict[str, Any]]:
             for what, value, demand in rows
         ]  # fmt: skip
         if size in PUBLISHED_LATE:
-            value, demand = _share(published, "late_own"), PUBLISHED_LATE[size]
+            value, demand = _late_share(published, ("own", "hidden")), PUBLISHED_LATE[size]
             found.append(
                 {"plant": size, "what": "plat: late over the actual time, as in the paper",
                  "value": f"{100 * value:.2f} %", "demand": f"{100 * demand:.2f} ± 2 %",
@@ -203,9 +210,9 @@ def _share(counts: dict[str, int], kind: str) -> float:
     return counts.get(f"{kind}_found", 0) / max(counts.get(kind, 0), 1)
 
 
-def _late_share(counts: dict[str, int]) -> float:
-    found = sum(counts.get(f"late_{way}_found", 0) for way in ("own", "waits"))
-    return found / max(sum(counts.get(f"late_{way}", 0) for way in ("own", "waits")), 1)
+def _late_share(counts: dict[str, int], ways: tuple[str, ...] = ("own", "waits")) -> float:
+    found = sum(counts.get(f"late_{way}_found", 0) for way in ways)
+    return found / max(sum(counts.get(f"late_{way}", 0) for way in ways), 1)
 
 
 def tables(results: dict[str, Any]) -> list[Table]:
@@ -268,7 +275,7 @@ def _by_truth(results: dict[str, Any]) -> Table:
     for size, plant in results.items():
         for name, found in plant["by_truth"].items():
             cells = []
-            for kind in ("late_own", "late_waits"):
+            for kind in ("late_own", "late_hidden", "late_waits"):
                 alarm, said = found["alarm"], found["any"]
                 cells += [
                     f"{alarm.get(f'{kind}_found', 0):,} of {alarm.get(kind, 0):,}",
@@ -279,8 +286,8 @@ def _by_truth(results: dict[str, Any]) -> Table:
             rows.append([size, name, *cells, f"{100 * published:.2f} %" if published else "–"])
     return Table(
         "Late by the truth: over the actual time, or after what the device waited for",
-        ["plant", "timing", "own times: found", "alarms", "any severity", "waits: found",
-         "alarms", "any severity", "paper"],
+        ["plant", "timing", "own times: found", "alarms", "any severity", "hidden in another time",
+         "alarms", "any severity", "waits: found", "alarms", "any severity", "paper"],
         rows,
         left=2,
     )  # fmt: skip

@@ -29,11 +29,15 @@ Integers = npt.NDArray[np.int64]
 
 @dataclass(frozen=True)
 class Late:
-    """The changed log, its labels, and which of them are waits for another device."""
+    """The changed log and its labels: which are waits for another device, and which are `hidden`.
+
+    A hidden one took as long as another actual time of its transition: no time tells it.
+    """
 
     log: rl.Log
     labels: list[InjectionLabel]
     waits: frozenset[str]
+    hidden: frozenset[str]
 
 
 @dataclass
@@ -100,7 +104,7 @@ class _Inserter:
     def insert(self, number: int, over: Distribution, random: np.random.Generator) -> Late:
         sizes_s = over.draw_s(random, number).tolist()
         room = _Room()
-        found: list[tuple[int, int, int, int, int, bool, float]] = []
+        found: list[tuple[int, int, int, int, int, str, float]] = []
         clean_ns = int(self._run.time_ns[0]) + (self._run.end_ns - int(self._run.time_ns[0])) // 10
         for row in random.permutation(len(self._time)).tolist():
             if len(found) == number:
@@ -112,21 +116,21 @@ class _Inserter:
             if made is not None:
                 found.append((*made, size_ns / 1e9))
         found.sort()
-        labels, waits = [], set()
-        for at, (due, start, end, before, row, waiting, size_s) in enumerate(found, 1):
+        labels = []
+        ids: dict[str, set[str]] = {"own": set(), "wait": set(), "hidden": set()}
+        for at, (due, start, end, before, row, kind, size_s) in enumerate(found, 1):
             labels.append(self._label(f"T{at:05}", due, start, end, before, row, size_s))
-            if waiting:
-                waits.add(labels[-1].id)
+            ids[kind].add(labels[-1].id)
         order = np.argsort(self._time, kind="stable")
         run = self._run
         log = rl.Log.from_columns(
             self._time[order], run.signal_index[order], run.value[order], run.signals
         )
-        return Late(log, labels, frozenset(waits))
+        return Late(log, labels, frozenset(ids["wait"]), frozenset(ids["hidden"]))
 
     def _make_late(
         self, row: int, size_ns: int, room: _Room
-    ) -> tuple[int, int, int, int, int, bool] | None:
+    ) -> tuple[int, int, int, int, int, str] | None:
         rows, place = self._rows[self._device[row]], int(self._place[row])
         if place == 0:
             return None
@@ -134,7 +138,9 @@ class _Inserter:
         due = self._due(before, row)
         if due is None:
             return None
-        due_ns, waiting = due
+        due_ns, kind, others = due
+        if any(low <= due_ns + size_ns <= high for low, high in others):
+            kind = "hidden"
         moves = self._pushed(rows, place, due_ns + size_ns)
         if moves is None:
             return None
@@ -149,10 +155,13 @@ class _Inserter:
             return None
         for each, time in moves:
             self._time[each] = time
-        return due_ns, start, last_ns, before, row, waiting
+        return due_ns, start, last_ns, before, row, kind
 
-    def _due(self, before: int, row: int) -> tuple[int, bool] | None:
-        """When the transition has taken as long as it truly ever does, this time."""
+    def _due(self, before: int, row: int) -> tuple[int, str, list[tuple[int, int]]] | None:
+        """When the transition has taken as long as it truly ever does, this time.
+
+        Also whether its time is its own or a wait, and when its other times would have been.
+        """
         transition = int(self._state[before]), int(self._state[row])
         time = self._run.time_ns
         if transition in self._waits:
@@ -167,7 +176,12 @@ class _Inserter:
         of_time = [most for least, most in ranges if least - 0.011 <= elapsed_s <= most + 0.011]
         if not of_time or since <= 0:
             return None
-        return since + round(max(of_time) * 1e9), transition in self._waits
+        due_ns = since + round(max(of_time) * 1e9)
+        others = [
+            (since + round(least * 1e9) - TICK_NS, since + round(most * 1e9) + TICK_NS)
+            for least, most in ranges
+        ]
+        return due_ns, "wait" if transition in self._waits else "own", others
 
     def _last(self, state: int, time_ns: int) -> int:
         """When a state was entered last, before or at a time; 0 where it was not."""
