@@ -2,6 +2,8 @@
 
 import math
 
+import msgspec
+import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -35,9 +37,6 @@ def rows_of(steps: list[tuple[int, int, int]]) -> list[plat.Row]:
 
 
 def engine_rules(rows: list[plat.Row], parameters: plat.Parameters) -> list[dict[str, object]]:
-    np = pytest.importorskip("numpy")
-    import msgspec
-
     names = list(dict.fromkeys(name for _, name, _ in rows))
     log = _engine.log_from_columns(
         np.array([row[0] for row in rows], dtype=np.int64),
@@ -75,9 +74,7 @@ def key(rule: dict[str, object]) -> tuple[object, ...]:
         support=st.sampled_from([0.0, 0.08, 0.3]),
     ),
 )
-def test_equal_rule_by_rule(
-    steps: list[tuple[int, int, int]], parameters: plat.Parameters
-) -> None:
+def test_equal_rule_by_rule(steps: list[tuple[int, int, int]], parameters: plat.Parameters) -> None:
     rows = rows_of(steps)
     expected = [dict(rule) for rule in plat.learn(rows, parameters)]
     if not plat.events(rows):

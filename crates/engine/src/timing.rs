@@ -26,6 +26,9 @@ pub struct TimeCluster {
     pub late_scale_s: f64,
     /// The same for the lower half: the scale of the early tail. Zero with `plat`.
     pub early_scale_s: f64,
+    /// Gini coefficient of the distances from the median: ½ for exponential tails, 0.41 for a
+    /// normal law, ⅓ for an even spread.
+    pub tail_gini: f64,
     /// Long-run variance of belonging to this cluster, over that of independent draws: below 1
     /// where clusters alternate, above 1 where they come in bunches. See [`crate::signal_state::dispersion`].
     pub dispersion: f64,
@@ -44,6 +47,7 @@ impl TimeCluster {
             deviation_s: 0.0,
             late_scale_s: 0.0,
             early_scale_s: 0.0,
+            tail_gini: 0.5,
             dispersion: 1.0,
         }
     }

@@ -1,5 +1,7 @@
 //! Enabling events: what a transition waits for is found, and delays are judged from there.
 
+#![allow(clippy::expect_used, reason = "a test that cannot go on says why")]
+
 use std::sync::Arc;
 
 use runglight_engine::finding::{Finding, Kind, Severity};

@@ -13,7 +13,7 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum FormatError {
     /// The file system refused.
-    #[error("{}: cannot {action}: {}", OneLine(path.display()), OneLine(source))]
+    #[error("{}: cannot {action}: {}", Shown(path), OneLine(source))]
     Io {
         /// The file.
         path: PathBuf,
@@ -23,13 +23,13 @@ pub enum FormatError {
         source: io::Error,
     },
     /// There is no such file.
-    #[error("{}: there is no such file; check the path", OneLine(path.display()))]
+    #[error("{}: there is no such file; check the path", Shown(path))]
     Missing {
         /// The path given.
         path: PathBuf,
     },
     /// The path is a directory, a pipe or a device.
-    #[error("{}: is {found}, not a file; name the log file itself", OneLine(path.display()))]
+    #[error("{}: is {found}, not a file; name the log file itself", Shown(path))]
     NotAFile {
         /// The path given.
         path: PathBuf,
@@ -37,13 +37,13 @@ pub enum FormatError {
         found: &'static str,
     },
     /// The file has no bytes.
-    #[error("{}: is empty (0 bytes); check that the export finished", OneLine(path.display()))]
+    #[error("{}: is empty (0 bytes); check that the export finished", Shown(path))]
     Empty {
         /// The file.
         path: PathBuf,
     },
     /// The bytes belong to some other kind of file.
-    #[error("{}: this is {found}, not a log: {mend}", OneLine(path.display()))]
+    #[error("{}: this is {found}, not a log: {mend}", Shown(path))]
     NotALog {
         /// The file.
         path: PathBuf,
@@ -53,7 +53,11 @@ pub enum FormatError {
         mend: &'static str,
     },
     /// Neither the name nor the ending tells the format.
-    #[error("{}: no format is known by {}; use csv, parquet, xes or vcd", OneLine(path.display()), Quoted(found))]
+    #[error(
+        "{}: no format is known by {}; use csv, parquet, xes or vcd",
+        Shown(path),
+        Quoted(found)
+    )]
     UnknownFormat {
         /// The file.
         path: PathBuf,
@@ -61,7 +65,7 @@ pub enum FormatError {
         found: String,
     },
     /// An option cannot be used.
-    #[error("{}: option {option} is {}, expected {expected}", OneLine(path.display()), Quoted(found))]
+    #[error("{}: option {option} is {}, expected {expected}", Shown(path), Quoted(found))]
     Option {
         /// The file being read.
         path: PathBuf,
@@ -73,7 +77,12 @@ pub enum FormatError {
         expected: &'static str,
     },
     /// A column that was named is not there.
-    #[error("{}: has no column {} (option {option}); its columns are {}", OneLine(path.display()), Quoted(column), List(columns))]
+    #[error(
+        "{}: has no column {} (option {option}); its columns are {}",
+        Shown(path),
+        Quoted(column),
+        List(columns)
+    )]
     UnknownColumn {
         /// The file.
         path: PathBuf,
@@ -85,7 +94,12 @@ pub enum FormatError {
         columns: Vec<String>,
     },
     /// The columns do not say which is which.
-    #[error("{}: row {row}: no {role} found among the columns {}; {}", OneLine(path.display()), List(columns), OneLine(mend))]
+    #[error(
+        "{}: row {row}: no {role} found among the columns {}; {}",
+        Shown(path),
+        List(columns),
+        OneLine(mend)
+    )]
     Columns {
         /// The file.
         path: PathBuf,
@@ -99,7 +113,7 @@ pub enum FormatError {
         mend: String,
     },
     /// A row cannot be used.
-    #[error("{}: row {row}: {reason}; mend the row, or read with on_error=skip", OneLine(path.display()))]
+    #[error("{}: row {row}: {reason}; mend the row, or read with on_error=skip", Shown(path))]
     BadRow {
         /// The file.
         path: PathBuf,
@@ -109,7 +123,11 @@ pub enum FormatError {
         reason: RowFault,
     },
     /// The file breaks off or its structure is damaged.
-    #[error("{}: not a readable {format} file: {}; export or copy it again", OneLine(path.display()), OneLine(reason))]
+    #[error(
+        "{}: not a readable {format} file: {}; export or copy it again",
+        Shown(path),
+        OneLine(reason)
+    )]
     Damaged {
         /// The file.
         path: PathBuf,
@@ -119,7 +137,10 @@ pub enum FormatError {
         reason: String,
     },
     /// Unpacking would give far more bytes than a log has.
-    #[error("{}: unpacks to more than {limit_mib} MiB from {packed_mib} MiB, which no log does; unpack it yourself if it is one", OneLine(path.display()))]
+    #[error(
+        "{}: unpacks to more than {limit_mib} MiB from {packed_mib} MiB, which no log does; unpack it yourself if it is one",
+        Shown(path)
+    )]
     TooLarge {
         /// The file.
         path: PathBuf,
@@ -135,7 +156,7 @@ pub enum FormatError {
     #[error(transparent)]
     Log(#[from] LogError),
     /// A log cannot be expressed in the format asked for.
-    #[error("{}: cannot be written as {format}: {reason}", OneLine(path.display()))]
+    #[error("{}: cannot be written as {format}: {reason}", Shown(path))]
     Unwritable {
         /// The file to write.
         path: PathBuf,
@@ -297,17 +318,32 @@ pub(crate) fn shortened(bytes: &[u8]) -> String {
     }
 }
 
-/// Shows a text without line breaks or other control characters: messages are one line.
+/// Shows a text without line breaks or other control characters: messages are one line. What
+/// decoders say of damaged bytes can be as long as the file, so it is cut.
 struct OneLine<T>(T);
 
 impl<T: fmt::Display> fmt::Display for OneLine<T> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         use fmt::Write;
-        for character in self.0.to_string().chars() {
-            let shown = if is_unprintable(character) { ' ' } else { character };
-            f.write_char(shown)?;
+        const SHOWN: usize = 400;
+        let text = self.0.to_string();
+        for character in text.chars().take(SHOWN) {
+            f.write_char(if is_unprintable(character) { ' ' } else { character })?;
+        }
+        if text.chars().nth(SHOWN).is_some() {
+            f.write_char('…')?;
         }
         Ok(())
+    }
+}
+
+/// Shows a path in full, on one line.
+struct Shown<'a>(&'a Path);
+
+impl fmt::Display for Shown<'_> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let path = self.0.to_string_lossy();
+        f.write_str(&path.replace(is_unprintable, " "))
     }
 }
 

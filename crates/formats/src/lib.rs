@@ -1,7 +1,7 @@
 //! Change logs in files: CSV, Parquet, XES and VCD, read by sniffing or by option.
 //!
 //! [`read`] takes any of them to a [`ChangeLog`] and a [`ReadReport`] that says what was left
-//! out; [`write`] goes the other way, by a temporary name that is renamed when complete.
+//! out; [`write()`] goes the other way, by a temporary name that is renamed when complete.
 
 pub mod arrow;
 mod columns;

@@ -25,7 +25,7 @@ const WHOLE: [&str; 6] =
     ["count", "cluster", "position", "uncounted", "sequence", "cluster_instances"];
 
 /// Column names in order; text, whole numbers and the rest floats.
-const COLUMNS: [&str; 29] = [
+const COLUMNS: [&str; 30] = [
     "model",
     "group",
     "device",
@@ -54,6 +54,7 @@ const COLUMNS: [&str; 29] = [
     "deviation_s",
     "early_scale_s",
     "late_scale_s",
+    "tail_gini",
     "cluster_dispersion",
 ];
 
@@ -187,6 +188,7 @@ fn push_row(
         of(|c| c.deviation_s),
         of(|c| c.early_scale_s),
         of(|c| c.late_scale_s),
+        of(|c| c.tail_gini),
         of(|c| c.dispersion),
     ];
     for (column, cell) in columns.iter_mut().zip(&cells) {
@@ -292,6 +294,7 @@ impl Table<'_> {
                 deviation_s: self.real("deviation_s", row)?,
                 late_scale_s: self.real("late_scale_s", row)?,
                 early_scale_s: self.real("early_scale_s", row)?,
+                tail_gini: self.real("tail_gini", row)?,
                 dispersion: self.real("cluster_dispersion", row)?,
             }],
         };

@@ -13,6 +13,7 @@ use pyo3::prelude::*;
 #[pymodule]
 fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add("__version__", env!("CARGO_PKG_VERSION"))?;
+    quiet_panics();
     errors::register(module)?;
     module.add_class::<change_log::PyChangeLog>()?;
     module.add_class::<findings::PyFindings>()?;
@@ -25,4 +26,12 @@ fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(model::learn, module)?)?;
     module.add_function(wrap_pyfunction!(model::load_model, module)?)?;
     Ok(())
+}
+
+/// A decoder that panics on a damaged file is caught and told as an error; what Rust would print
+/// besides would only frighten the user. `RUST_BACKTRACE` brings it back.
+fn quiet_panics() {
+    if std::env::var_os("RUST_BACKTRACE").is_none() {
+        std::panic::set_hook(Box::new(|_| {}));
+    }
 }

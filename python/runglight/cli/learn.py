@@ -18,10 +18,15 @@ from runglight.errors import InputError
 from runglight.log.symbols import read_symbols
 from runglight.model import learn_with
 from runglight.quantities import duration_s, rate_per_day
+from runglight.replacing import replacing
 from runglight.strictly import convert
 
 if TYPE_CHECKING:
     from runglight.configuration import Configuration
+
+
+SYMBOLS = "symbols.csv"
+"""The symbol table in force, written beside the model: what a user corrects and gives back."""
 
 
 @Parameter(name="*", group="Learning")
@@ -101,8 +106,11 @@ def learn(
     with terminal.working("Learning"):
         model = learn_with(logs, symbols_csv, parameters)
         model.save(output)
+        proposal = output / SYMBOLS
+        with replacing(proposal) as path:
+            path.write_text(model.symbols(), encoding="utf-8")
     summary = model.summary()
-    say_unnamed(summary)
+    say_unnamed(summary, proposal)
     print_summary(terminal.results(), str(output), summary)
     return DONE
 
@@ -113,15 +121,16 @@ def parameters_of(configuration: Configuration, learning: LearningOptions) -> Pa
     return convert(written | {"naming": configuration.symbols.naming}, Parameters, "learn")
 
 
-def say_unnamed(summary: dict[str, Any]) -> None:
+def say_unnamed(summary: dict[str, Any], proposal: Path | None = None) -> None:
     """Signals that fit no naming rule are counted and named."""
     unnamed: list[str] = summary.get("unnamed") or []
     if unnamed:
         shown = ", ".join(unnamed[:8]) + (", …" if len(unnamed) > 8 else "")
         signals = "1 signal fits" if len(unnamed) == 1 else f"{len(unnamed):,} signals fit"
         terminal.note(
-            f"{signals} no naming rule, grouped by behaviour and name under 'plant': {shown}; "
-            "give --symbols or --naming to say where they belong"
+            f"{signals} no naming rule, grouped by how their names begin under 'plant': {shown}; "
+            + (f"edit {proposal} and give it as --symbols" if proposal else "give --symbols")
+            + ", or give --naming"
         )
 
 

@@ -12,8 +12,8 @@ use super::rules::Rule;
 
 const DAY_S: f64 = 86_400.0;
 /// Shares of the budget.
-const FOR_TRANSITIONS: f64 = 0.5;
-const FOR_TIMES: f64 = 0.3;
+const FOR_TRANSITIONS: f64 = 0.3;
+const FOR_TIMES: f64 = 0.5;
 const FOR_SHARES: f64 = 0.1;
 const FOR_AVERAGES: f64 = 0.1;
 

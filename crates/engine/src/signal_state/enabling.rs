@@ -9,7 +9,7 @@
 //! votes for the states it meets at a steady distance; only the finalists are measured on all
 //! instances. What lies further back in time than those few events is not found.
 
-use crate::log::{Nanoseconds, SECOND};
+use crate::log::{Nanoseconds, SECOND, SignalIndex};
 use crate::plant::{Plant, SignalClass};
 use crate::timing::TimeCluster;
 use crate::timing::optimal;
@@ -35,9 +35,9 @@ impl Trigger {
 /// Fewer instances say nothing about what enables a transition.
 const INSTANCES_AT_LEAST: usize = 8;
 /// Instances that vote; one bit each.
-const VOTERS: usize = 64;
+const VOTERS: usize = 32;
 /// Events of the group a voter looks back over.
-const LOOK_BACK: usize = 96;
+const LOOK_BACK: usize = 48;
 /// A trigger must explain this share of the voters.
 const EXPLAINED: f64 = 0.9;
 /// Each partner of a join must explain at least this share alone.
@@ -54,17 +54,38 @@ const STEADY_AT_MOST_S: f64 = 1.0;
 /// Share of each tail of delays that may be outliers.
 const OUTLIERS: f64 = 0.01;
 
-/// One event as the search sees it.
+/// One event of the learning logs.
 #[derive(Debug, Clone, Copy)]
 pub struct Happening {
     /// When.
     pub time: Nanoseconds,
+    /// The signal that changed.
+    pub signal: SignalIndex,
     /// The state entered.
     pub state: StateId,
-    /// Group of its device.
-    pub group: u32,
-    /// Run it belongs to: logs and the stretches between gaps.
+    /// Run it belongs to: logs, and the stretches between gaps, each begin a new one.
     pub run: u32,
+    /// True where this is no event, but its device's state is in doubt after a gap.
+    pub doubtful: bool,
+}
+
+/// No voter has met a state in this search.
+const NOBODY: u32 = u32::MAX;
+
+/// One event of a group, as a voter passes it on the way back.
+#[derive(Clone, Copy)]
+struct Passed {
+    time: Nanoseconds,
+    state: StateId,
+    run: u32,
+}
+
+/// What a voter met: a state, and how long ago.
+#[derive(Clone, Copy)]
+struct Meeting {
+    state: StateId,
+    voter: u8,
+    ago: Nanoseconds,
 }
 
 /// Looks for enabling events in learned happenings.
@@ -73,22 +94,25 @@ pub struct Search<'a> {
     plant: &'a Plant,
     states: &'a States,
     resolution_s: f64,
-    /// Happenings of each group, and the place of each happening in its group.
-    by_group: Vec<Vec<u32>>,
+    /// Events of each group, and the place of each happening among its group's.
+    by_group: Vec<Vec<Passed>>,
     place: Vec<u32>,
-    /// Happenings of each state.
-    by_state: Vec<Vec<u32>>,
+    /// Happenings by state, and where those of each state begin.
+    of_state: Vec<u32>,
+    first_of: Vec<u32>,
+    /// Per state: the voter that met it last, and how many have.
     seen_by: Vec<u32>,
-    voter_delays: Vec<Vec<(u8, f64)>>,
+    votes: Vec<u8>,
+    meetings: Vec<Meeting>,
 }
 
 /// A candidate after the vote.
 struct Candidate {
     state: StateId,
     /// Voters that met it at a steady distance.
-    mask: u64,
-    /// Spread of those distances, in seconds.
-    spread: f64,
+    mask: u32,
+    /// Least and greatest of those distances, in seconds.
+    window: (f64, f64),
 }
 
 impl<'a> Search<'a> {
@@ -99,14 +123,26 @@ impl<'a> Search<'a> {
         states: &'a States,
         resolution: Nanoseconds,
     ) -> Self {
-        let mut by_group = vec![Vec::new(); plant.groups.len()];
-        let mut by_state = vec![Vec::new(); states.len()];
+        let group_of = |h: &Happening| plant.device_of(h.signal).group;
+        let mut by_group: Vec<Vec<Passed>> = vec![Vec::new(); plant.groups.len()];
         let mut place = Vec::with_capacity(happenings.len());
-        for (index, happening) in (0..).zip(happenings) {
-            let group: &mut Vec<u32> = &mut by_group[happening.group as usize];
+        let mut last_of = vec![0u32; states.len() + 1];
+        for happening in happenings {
+            let Happening { time, state, run, .. } = *happening;
+            let group = &mut by_group[group_of(happening)];
             place.push(group.len() as u32);
-            group.push(index);
-            by_state[happening.state as usize].push(index);
+            group.push(Passed { time, state, run });
+            last_of[state as usize + 1] += 1;
+        }
+        for state in 1..last_of.len() {
+            last_of[state] += last_of[state - 1];
+        }
+        let first_of = last_of.clone();
+        let mut of_state = vec![0u32; happenings.len()];
+        for (index, happening) in (0..).zip(happenings) {
+            let at = &mut last_of[happening.state as usize];
+            of_state[*at as usize] = index;
+            *at += 1;
         }
         Self {
             happenings,
@@ -115,27 +151,28 @@ impl<'a> Search<'a> {
             resolution_s: resolution as f64 / SECOND as f64,
             by_group,
             place,
-            by_state,
-            seen_by: vec![u32::MAX; states.len()],
-            voter_delays: vec![Vec::new(); states.len()],
+            first_of,
+            of_state,
+            seen_by: vec![NOBODY; states.len()],
+            votes: vec![0; states.len()],
+            meetings: Vec::new(),
         }
     }
 
     /// The enabling event of a transition into `next`, whose instances are the happenings
-    /// `instances` (ascending) and took `own_s` since the device's own last event; `current` is
-    /// that event's state. `None` where nothing explains it better than the own event.
+    /// `instances` (ascending) and took `own_s` since the device's own last event (`sorted`: by
+    /// size); `current` is that event's state. `None` where nothing explains it better than the own event.
     pub fn trigger(
         &mut self,
         instances: &[u32],
         own_s: &[f64],
+        sorted: &[f64],
         (current, next): (StateId, StateId),
     ) -> Option<Trigger> {
         if instances.len() < INSTANCES_AT_LEAST {
             return None;
         }
-        let mut sorted = own_s.to_vec();
-        sorted.sort_unstable_by(f64::total_cmp);
-        let own_spread = residual_spread(&sorted);
+        let own_spread = residual_spread(sorted);
         let tight = TIGHT_RESOLUTIONS * self.resolution_s;
         if own_spread <= tight.max(TIGHT_SHARE * sorted[sorted.len() / 2]) {
             return None;
@@ -143,11 +180,11 @@ impl<'a> Search<'a> {
         let steady = (own_spread / 8.0).clamp(tight, STEADY_AT_MOST_S.max(tight));
         let candidates = self.vote(instances, own_s, (current, next), steady);
         let voters = instances.len().min(VOTERS);
-        let finalists = finalists(&candidates, voters);
+        let finalists = finalists(&candidates, voters, steady);
         finalists
             .into_iter()
             .filter_map(|states| {
-                let delays = self.delays(instances, states, next)?;
+                let delays = self.delays(instances, own_s, states, next)?;
                 let spread = residual_spread(&delays);
                 (spread <= GAIN * own_spread).then_some((spread, delays, states))
             })
@@ -174,82 +211,97 @@ impl<'a> Search<'a> {
         steady: f64,
     ) -> Vec<Candidate> {
         let voters = instances.len().min(VOTERS);
-        let mut met: Vec<StateId> = vec![current];
+        self.meetings.clear();
         for voter in 0..voters {
             let instance = voter * instances.len() / voters;
-            let index = instances[instance];
-            let here = self.happenings[index as usize];
-            let group = &self.by_group[here.group as usize];
-            let place = self.place[index as usize] as usize;
-            // A happening belongs to one transition of one device, so it stamps uniquely.
-            let stamp = index;
-            self.seen_by[current as usize] = stamp;
-            self.voter_delays[current as usize].push((voter as u8, own_s[instance]));
-            let mut visit = |other: Happening| {
-                if other.state != next && self.seen_by[other.state as usize] != stamp {
-                    self.seen_by[other.state as usize] = stamp;
-                    let delays = &mut self.voter_delays[other.state as usize];
-                    if delays.is_empty() {
-                        met.push(other.state);
-                    }
-                    delays.push((voter as u8, seconds(here.time - other.time)));
-                }
-            };
-            // Of the same time, but later in the file: the order inside a scan means nothing.
-            for &later in &group[place + 1..] {
-                let other = self.happenings[later as usize];
-                if other.time != here.time {
-                    break;
-                }
-                visit(other);
-            }
-            for &earlier in group[..place].iter().rev().take(LOOK_BACK) {
-                let other = self.happenings[earlier as usize];
-                if other.run != here.run {
-                    break;
-                }
-                visit(other);
-            }
+            self.look_back(voter as u8, instances[instance], own_s[instance], (current, next));
         }
+        let least = (PARTNER * voters as f64).ceil() as u8;
+        let mut meetings = std::mem::take(&mut self.meetings);
+        for meeting in &meetings {
+            self.seen_by[meeting.state as usize] = NOBODY;
+        }
+        meetings.retain(|m| self.votes[m.state as usize] >= least || m.state == current);
+        meetings.sort_unstable_by_key(|m| (m.state, m.ago));
         let mut candidates = Vec::new();
-        for state in met {
-            let mut delays = std::mem::take(&mut self.voter_delays[state as usize]);
-            if self.may_enable(state, next, &delays) {
-                delays.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
-                candidates.extend(densest(&delays, steady).map(|(mask, spread)| Candidate {
-                    state,
-                    mask,
-                    spread,
-                }));
+        for run in meetings.chunk_by(|a, b| a.state == b.state) {
+            if self.may_enable(run[0].state, next, run)
+                && let Some((mask, window)) = densest(run, steady)
+                && (mask.count_ones() >= u32::from(least) || run[0].state == current)
+            {
+                candidates.push(Candidate { state: run[0].state, mask, window });
             }
-            delays.clear();
-            self.voter_delays[state as usize] = delays;
         }
-        let least = (PARTNER * voters as f64).ceil() as u32;
-        candidates.retain(|c| c.mask.count_ones() >= least || c.state == current);
+        self.meetings = meetings;
         candidates
+    }
+
+    /// One voter: what happened while its device waited, latest first, each state once.
+    fn look_back(
+        &mut self,
+        voter: u8,
+        index: u32,
+        own_s: f64,
+        (current, next): (StateId, StateId),
+    ) {
+        let here = self.happenings[index as usize];
+        let group = &self.by_group[self.plant.device_of(here.signal).group];
+        let place = self.place[index as usize] as usize;
+        let since = here.time - (own_s * SECOND as f64).round() as Nanoseconds;
+        let (seen_by, votes, meetings) = (&mut self.seen_by, &mut self.votes, &mut self.meetings);
+        // A happening belongs to one transition of one device, so it stamps uniquely.
+        let mut meet = |state: StateId, time: Nanoseconds| {
+            if state != next && seen_by[state as usize] != index {
+                let first = seen_by[state as usize] == NOBODY;
+                votes[state as usize] = if first { 1 } else { votes[state as usize] + 1 };
+                seen_by[state as usize] = index;
+                meetings.push(Meeting { state, voter, ago: here.time - time });
+            }
+        };
+        meet(current, since);
+        // Of the same time, but later in the file: the order inside a scan means nothing.
+        for later in group[place + 1..].iter().take_while(|other| other.time == here.time) {
+            meet(later.state, later.time);
+        }
+        let waited = |other: &&Passed| other.run == here.run && other.time >= since;
+        for earlier in group[..place].iter().rev().take(LOOK_BACK).take_while(waited) {
+            meet(earlier.state, earlier.time);
+        }
     }
 
     /// An event of the same instant may be the cause of ours only where an input enables an
     /// output; otherwise it may as well be its effect.
-    fn may_enable(&self, state: StateId, next: StateId, delays: &[(u8, f64)]) -> bool {
+    fn may_enable(&self, state: StateId, next: StateId, delays: &[Meeting]) -> bool {
         let class = |state| {
             let (signal, _) = self.states.signal_value(state);
             self.plant.signals[signal as usize].class
         };
-        let together = delays.iter().filter(|(_, delay)| *delay <= 0.0).count();
+        let together = delays.iter().filter(|meeting| meeting.ago <= 0).count();
         together * 5 <= delays.len()
             || (class(state) != SignalClass::Output && class(next) == SignalClass::Output)
     }
 
+    /// Happenings that entered a state, ascending.
+    fn entries(&self, state: StateId) -> &[u32] {
+        let state = state as usize;
+        &self.of_state[self.first_of[state] as usize..self.first_of[state + 1] as usize]
+    }
+
     /// Sorted delays of all instances from the later of the states; `None` where more than a few
-    /// instances came without a fresh one: each occurrence enables a transition once.
-    fn delays(&self, instances: &[u32], states: [StateId; 2], next: StateId) -> Option<Vec<f64>> {
+    /// instances came without a fresh one: each occurrence enables a transition once, and only
+    /// what happens while the device waits enables it.
+    fn delays(
+        &self,
+        instances: &[u32],
+        own_s: &[f64],
+        states: [StateId; 2],
+        next: StateId,
+    ) -> Option<Vec<f64>> {
         let mut delays: Vec<f64> = Vec::with_capacity(instances.len());
         let mut cursors = [0usize; 2];
-        let entries = &self.by_state[next as usize];
+        let entries = self.entries(next);
         let mut entry = 0;
-        for &index in instances {
+        for (&index, &own) in instances.iter().zip(own_s) {
             let here = self.happenings[index as usize];
             entry += entries[entry..].partition_point(|&other| other < index);
             let before = entry.checked_sub(1).map(|at| self.happenings[entries[at] as usize]);
@@ -260,7 +312,7 @@ impl<'a> Search<'a> {
                 if *state == NO_STATE {
                     continue;
                 }
-                let occurrences = &self.by_state[*state as usize];
+                let occurrences = self.entries(*state);
                 let reached = |other: &u32| {
                     let other = self.happenings[*other as usize];
                     other.run < here.run || (other.run == here.run && other.time <= here.time)
@@ -272,7 +324,8 @@ impl<'a> Search<'a> {
                 fresh &= time.is_some() && time >= before;
                 latest = latest.max(time);
             }
-            delays.extend(latest.filter(|_| fresh).map(|time| seconds(here.time - time)));
+            let delay = latest.filter(|_| fresh).map(|time| seconds(here.time - time));
+            delays.extend(delay.filter(|&delay| delay <= own));
         }
         delays.sort_unstable_by(f64::total_cmp);
         (delays.len() as f64 >= EXPLAINED * instances.len() as f64).then_some(delays)
@@ -283,12 +336,14 @@ fn seconds(time: Nanoseconds) -> f64 {
     time as f64 / SECOND as f64
 }
 
-/// The window of width `steady` that holds most of the sorted delays: its voters and spread.
-fn densest(delays: &[(u8, f64)], steady: f64) -> Option<(u64, f64)> {
+/// The window of width `steady` that holds most of the meetings, sorted by distance: its voters
+/// and ends.
+fn densest(meetings: &[Meeting], steady: f64) -> Option<(u32, (f64, f64))> {
+    let steady = (steady * SECOND as f64) as Nanoseconds;
     let mut best: Option<(usize, usize)> = None;
     let mut start = 0;
-    for end in 0..delays.len() {
-        while delays[end].1 - delays[start].1 > steady {
+    for end in 0..meetings.len() {
+        while meetings[end].ago - meetings[start].ago > steady {
             start += 1;
         }
         if best.is_none_or(|(s, e)| end - start > e - s) {
@@ -296,17 +351,18 @@ fn densest(delays: &[(u8, f64)], steady: f64) -> Option<(u64, f64)> {
         }
     }
     best.map(|(start, end)| {
-        let mask = delays[start..=end].iter().fold(0u64, |mask, (voter, _)| mask | 1 << voter);
-        (mask, delays[end].1 - delays[start].1)
+        let mask = meetings[start..=end].iter().fold(0u32, |mask, m| mask | 1 << m.voter);
+        (mask, (seconds(meetings[start].ago), seconds(meetings[end].ago)))
     })
 }
 
 /// The most promising single triggers and joins.
-fn finalists(candidates: &[Candidate], voters: usize) -> Vec<[StateId; 2]> {
+fn finalists(candidates: &[Candidate], voters: usize, steady: f64) -> Vec<[StateId; 2]> {
     let needed = (EXPLAINED * voters as f64).ceil() as u32;
     let mut singles: Vec<&Candidate> =
         candidates.iter().filter(|c| c.mask.count_ones() >= needed).collect();
-    singles.sort_by(|a, b| a.spread.total_cmp(&b.spread));
+    let spread = |window: (f64, f64)| window.1 - window.0;
+    singles.sort_by(|a, b| spread(a.window).total_cmp(&spread(b.window)));
     let mut finalists: Vec<[StateId; 2]> =
         singles.iter().take(FINALISTS).map(|c| [c.state, NO_STATE]).collect();
     let mut partners: Vec<&Candidate> = candidates.iter().collect();
@@ -317,8 +373,10 @@ fn finalists(candidates: &[Candidate], voters: usize) -> Vec<[StateId; 2]> {
         for other in &partners[at + 1..] {
             let together = (one.mask | other.mask).count_ones();
             let alone = one.mask.count_ones().max(other.mask.count_ones());
-            if together >= needed && alone < needed {
-                joins.push((one.spread.max(other.spread), [one.state, other.state]));
+            // The program waits for both and then acts: whichever is the later, at one distance.
+            let (low, high) = (one.window.0.min(other.window.0), one.window.1.max(other.window.1));
+            if together >= needed && alone < needed && high - low <= steady {
+                joins.push((high - low, [one.state, other.state]));
             }
         }
     }
@@ -359,9 +417,10 @@ mod tests {
 
     #[test]
     fn the_densest_window_names_its_voters() {
-        let delays = [(3, 0.1), (0, 0.11), (2, 0.12), (1, 7.0)];
-        let (mask, spread) = densest(&delays, 0.05).unwrap_or_default();
+        let met = |voter, ms: i64| Meeting { state: 0, voter, ago: ms * SECOND / 1000 };
+        let meetings = [met(3, 100), met(0, 110), met(2, 120), met(1, 7000)];
+        let (mask, (low, high)) = densest(&meetings, 0.05).unwrap_or_default();
         assert_eq!(mask, 0b1101);
-        assert!((spread - 0.02).abs() < 1e-9);
+        assert!((high - low - 0.02).abs() < 1e-9);
     }
 }

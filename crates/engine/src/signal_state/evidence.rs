@@ -31,6 +31,43 @@ impl Tally {
 pub struct Evidence {
     transition_by_chain: Vec<f64>,
     time_by_chain: Vec<f64>,
+    shares: Shares,
+}
+
+/// Shares of the time clusters of all rules that have several: what a rule seen only a few times
+/// may still hold back. Of a cluster with share `q` nothing is seen in `n` instances with
+/// probability `(1-q)^n`, and the next instance is its first with probability `q·(1-q)^n`.
+#[derive(Debug, Clone, Default)]
+struct Shares {
+    /// Clusters by share, in steps of one hundredth.
+    clusters: Vec<u32>,
+    rules: u32,
+}
+
+impl Shares {
+    fn of(rules: &[Rule]) -> Self {
+        let mut shares = Self { clusters: vec![0; 101], rules: 0 };
+        for rule in rules.iter().filter(|rule| rule.evidence() >= BODY_INSTANCES) {
+            shares.rules += 1;
+            let clusters = rule.judged();
+            let usual = clusters.iter().filter(|c| c.instances >= BODY_INSTANCES);
+            for cluster in usual.filter(|_| clusters.len() > 1) {
+                let percent = (cluster.probability * 100.0).round().clamp(0.0, 100.0);
+                shares.clusters[percent as usize] += 1;
+            }
+        }
+        shares
+    }
+
+    /// Probability that the next instance of a rule seen `instances` times takes a usual time of
+    /// its own that has not been seen yet.
+    fn unseen(&self, instances: u64) -> f64 {
+        let mass = |(percent, &clusters): (usize, &u32)| {
+            let share = percent as f64 / 100.0;
+            f64::from(clusters) * share * (1.0 - share).powf(instances as f64)
+        };
+        self.clusters.iter().enumerate().map(mass).sum::<f64>() / f64::from(self.rules.max(1))
+    }
 }
 
 /// What a plant with no evidence at all is taken to hide: one half of one kind.
@@ -52,6 +89,7 @@ impl Evidence {
         Self {
             transition_by_chain: shrink(&transitions, chains),
             time_by_chain: shrink(&times, chains),
+            shares: Shares::of(rules),
         }
     }
 
@@ -79,7 +117,8 @@ impl Evidence {
         let longest = rule.judged().iter().map(|c| c.maximum_s).fold(0.0, f64::max);
         let beyond =
             if time_s > longest && time_s > 0.0 { longest.max(1e-3) / time_s } else { 1.0 };
-        tally.unseen(self.time_by_chain[rule.chain]) * beyond.min(1.0)
+        let odd = tally.unseen(self.time_by_chain[rule.chain]) * beyond.min(1.0);
+        odd.max(self.shares.unseen(rule.evidence()))
     }
 }
 

@@ -4,6 +4,7 @@
 //! knows stays in the model until something departs from it.
 
 use crate::log::{Nanoseconds, SECOND};
+use crate::timing::TimeCluster;
 use crate::timing::limits::Accepted;
 
 use super::enabling::Trigger;
@@ -186,26 +187,37 @@ pub struct Counters {
     bands: Vec<(u32, Nanoseconds)>,
 }
 
-/// Cuts the accepted times of a rule's clusters into bands that do not overlap, at the middle
-/// between two clusters where they would.
+/// The accepted times of a rule's clusters as bands that do not overlap.
 fn bands(model: &NominalModel, rule: &Rule, accepted: &[Accepted], into: &mut Vec<Band>) {
     let clusters = rule.judged();
-    let plat = model.parameters.timing == Timing::Plat;
-    // "The maximum transition time instance that is most similar to the query" (section 2.6).
-    let centre = |i: usize| if plat { clusters[i].maximum_s } else { clusters[i].average_s };
     let start = into.len();
     for i in 0..clusters.len() {
         let (early, late) = match accepted.get(i) {
             Some(accepted) => (nanoseconds(accepted.early_s), nanoseconds(accepted.late_s)),
             None => (0, Nanoseconds::MAX),
         };
-        let middle = |a: usize, b: usize| nanoseconds(0.5 * (centre(a) + centre(b)));
-        let from = if i == 0 { Nanoseconds::MIN } else { middle(i - 1, i).saturating_add(1) };
-        let to = if i + 1 == clusters.len() { Nanoseconds::MAX } else { middle(i, i + 1) };
-        into.push(Band { early: early.max(from), late: late.min(to), sum: 0, count: 0 });
+        into.push(Band { early, late, sum: 0, count: 0 });
+    }
+    let cut = &mut into[start..];
+    for i in 1..cut.len() {
+        let middle = |centre: fn(&TimeCluster) -> f64| {
+            nanoseconds(0.5 * (centre(&clusters[i - 1]) + centre(&clusters[i])))
+        };
+        let boundary = match model.parameters.timing {
+            // "The maximum transition time instance that is most similar to the query transition
+            // time" decides (section 2.6), even where it then calls the time late.
+            Timing::Plat => middle(|cluster| cluster.maximum_s),
+            // Where two overlap, the nearer average has it; nothing accepted is lost.
+            Timing::Adaptive if cut[i].early <= cut[i - 1].late => {
+                middle(|cluster| cluster.average_s).clamp(cut[i].early, cut[i - 1].late)
+            }
+            Timing::Adaptive => continue,
+        };
+        cut[i - 1].late = cut[i - 1].late.min(boundary);
+        cut[i].early = boundary.saturating_add(1);
     }
     // Nothing is earlier than at once.
-    if let Some(first) = into.get_mut(start)
+    if let Some(first) = cut.first_mut()
         && first.early <= 0
     {
         first.early = Nanoseconds::MIN;
@@ -218,18 +230,20 @@ fn nanoseconds(seconds: f64) -> Nanoseconds {
 }
 
 impl Trigger {
-    /// Since when the transition was due: the later of the enabling states; `None` where one of
-    /// them has not been entered afresh since `before`.
+    /// Since when the transition was due: the later of the enabling states. `None` where the
+    /// device was not waiting for it: one of them has not been entered afresh since the device
+    /// last did the same (`before`), or the device's own last event (`own`) is the later.
     #[inline]
     pub fn due(
         states: [StateId; 2],
         entered: &[Nanoseconds],
         before: Nanoseconds,
+        own: Nanoseconds,
     ) -> Option<Nanoseconds> {
         let [one, other] = states;
         let first = *entered.get(one as usize)?;
         let second = if other == NO_STATE { first } else { *entered.get(other as usize)? };
-        let older = first.min(second);
-        (older >= before && older != Nanoseconds::MIN).then_some(first.max(second))
+        let (older, later) = (first.min(second), first.max(second));
+        (older >= before && older != Nanoseconds::MIN && later >= own).then_some(later)
     }
 }

@@ -45,18 +45,6 @@ pub enum LearnError {
     },
 }
 
-/// One event with its place in the learning logs.
-#[derive(Clone, Copy)]
-struct Event {
-    time: Nanoseconds,
-    signal: SignalIndex,
-    state: StateId,
-    /// True where sight was lost before this event: a start or a gap.
-    after_break: bool,
-    /// True where this is no event but its device's state is in doubt after a gap.
-    doubtful: bool,
-}
-
 /// Learns from one or more logs of the same plant, each a run of its own.
 ///
 /// # Errors
@@ -84,9 +72,8 @@ pub fn learn<L: Borrow<ChangeLog>>(
     let chains = Chains::of(&plant);
     let resolution = resolution(logs, parameters);
     let transitions = walk(&events, &chains, states.len());
-    let happenings = happenings(&events, &chains);
     let search = (parameters.timing == Timing::Adaptive)
-        .then(|| Search::new(&happenings, &plant, &states, resolution));
+        .then(|| Search::new(&events, &plant, &states, resolution));
     let rules = rules(&transitions, &chains, parameters, resolution, search);
     let learned = Learned {
         events: events.len() as u64,
@@ -138,13 +125,14 @@ fn read_events(
     plant: &Plant,
     states: &mut States,
     order: Option<&ScanOrder>,
-) -> Vec<Event> {
+) -> Vec<Happening> {
     let mut events = Vec::with_capacity(logs.iter().map(|log| log.len()).sum());
+    let mut run = 0;
     for log in logs {
         let to_plant = indices(log, plant);
         let mut values = Values::new(plant.signals.len());
         let mut gaps = log.gaps.iter().peekable();
-        let mut after_break = true;
+        run += 1;
         let mut resynchronise = is_image(first_values(log));
         let mut start = 0;
         let mut scan: Vec<Row> = Vec::new();
@@ -159,7 +147,8 @@ fn read_events(
             }));
             start = end;
             while gaps.next_if(|gap| gap.end <= time).is_some() {
-                (after_break, resynchronise) = (true, true);
+                run += 1;
+                resynchronise = true;
                 values.doubt();
             }
             if let Some(order) = order {
@@ -172,8 +161,7 @@ fn read_events(
                 }
                 let state = states.intern(row.signal, row.value);
                 let doubtful = meaning == Meaning::Doubtful;
-                events.push(Event { time, signal: row.signal, state, after_break, doubtful });
-                after_break = false;
+                events.push(Happening { time, signal: row.signal, state, run, doubtful });
             }
             resynchronise = false;
         }
@@ -193,7 +181,7 @@ fn first_values(log: &ChangeLog) -> impl Iterator<Item = i64> + '_ {
 /// The first signal of each device with an event stands for it, unless the user says otherwise.
 fn choose_starting_signals(
     plant: &mut Plant,
-    events: &[Event],
+    events: &[Happening],
     parameters: &Parameters,
 ) -> Result<(), LearnError> {
     for event in events {
@@ -218,19 +206,6 @@ fn choose_starting_signals(
         plant.devices[device].starting = Some(index);
     }
     Ok(())
-}
-
-/// Events as the search for enabling events sees them.
-fn happenings(events: &[Event], chains: &Chains) -> Vec<Happening> {
-    let mut run = 0;
-    events
-        .iter()
-        .map(|event| {
-            run += u32::from(event.after_break);
-            let group = chains.group_of(chains.device_chain(event.signal)) as u32;
-            Happening { time: event.time, state: event.state, group, run }
-        })
-        .collect()
 }
 
 /// Every transition of every chain, and the instances of each in the order they happened.
@@ -265,14 +240,15 @@ struct Here {
     first: bool,
 }
 
-fn walk(events: &[Event], chains: &Chains, states: usize) -> Transitions {
+fn walk(events: &[Happening], chains: &Chains, states: usize) -> Transitions {
     let nowhere = Here { state: NO_STATE, time: 0, first: true };
     let mut here = vec![nowhere; chains.len()];
     let mut by_row: Vec<Vec<(StateId, u32)>> = vec![Vec::new(); 2 * states];
     let mut found =
         Transitions { rules: Vec::new(), instances: Vec::with_capacity(events.len() * 5 / 4) };
+    let mut run = 0;
     for (index, event) in (0..).zip(events) {
-        if event.after_break {
+        if std::mem::replace(&mut run, event.run) != event.run {
             here.fill(nowhere);
         }
         let group = chains.group_chain(event.signal).map(|chain| (chain, ChainKind::Group));
@@ -318,29 +294,26 @@ fn walk(events: &[Event], chains: &Chains, states: usize) -> Transitions {
 /// The instances of every rule side by side, each in the order they happened.
 struct ByRule {
     end: Vec<usize>,
-    seconds: Vec<f64>,
+    took: Vec<Nanoseconds>,
     events: Vec<u32>,
 }
 
 impl ByRule {
     fn of(found: &Transitions) -> Self {
         let mut end = vec![0usize; found.rules.len() + 1];
-        for instance in &found.instances {
-            end[instance.rule as usize + 1] += 1;
-        }
-        for rule in 1..end.len() {
-            end[rule] += end[rule - 1];
+        for (rule, transition) in found.rules.iter().enumerate() {
+            end[rule + 1] = end[rule] + transition.count as usize;
         }
         let mut place = end.clone();
-        let mut seconds = vec![0.0f64; found.instances.len()];
+        let mut took = vec![0; found.instances.len()];
         let mut events = vec![0u32; found.instances.len()];
         for instance in &found.instances {
             let at = &mut place[instance.rule as usize];
-            seconds[*at] = instance.took as f64 / SECOND as f64;
+            took[*at] = instance.took;
             events[*at] = instance.event;
             *at += 1;
         }
-        Self { end, seconds, events }
+        Self { end, took, events }
     }
 
     fn range(&self, rule: usize) -> std::ops::Range<usize> {
@@ -360,12 +333,22 @@ fn rules(
     let by_rule = ByRule::of(found);
     let mut position = vec![0u32; chains.len()];
     let mut rules = Vec::with_capacity(found.rules.len());
+    let (mut ordered, mut times, mut sorted) = (Vec::new(), Vec::new(), Vec::new());
     for (index, transition) in found.rules.iter().enumerate() {
         let range = by_rule.range(index);
-        let times = &by_rule.seconds[range.clone()];
+        let took = &by_rule.took[range.clone()];
+        // Whole numbers sort faster than floats.
+        ordered.clear();
+        ordered.extend_from_slice(took);
+        ordered.sort_unstable();
+        times.clear();
+        times.extend(took.iter().map(|&took| seconds(took)));
+        sorted.clear();
+        sorted.extend(ordered.iter().map(|&took| seconds(took)));
         let is_device = chains.kind(transition.chain) == ChainKind::Device;
         let trigger = search.as_mut().filter(|_| is_device).and_then(|search| {
-            search.trigger(&by_rule.events[range], times, (transition.current, transition.next))
+            let states = (transition.current, transition.next);
+            search.trigger(&by_rule.events[range], &times, &sorted, states)
         });
         rules.push(Rule {
             chain: transition.chain,
@@ -377,13 +360,17 @@ fn rules(
             sequence: index as u64,
             position: position[transition.chain],
             dispersion: branch_dispersion[index],
-            clusters: cluster(times, parameters, resolution),
+            clusters: cluster(&times, &sorted, parameters, resolution),
             trigger,
         });
         position[transition.chain] += 1;
     }
     set_probabilities(&mut rules, chains);
     rules
+}
+
+fn seconds(nanoseconds: Nanoseconds) -> f64 {
+    nanoseconds as f64 / SECOND as f64
 }
 
 /// Shares of each transition among those out of its state.
@@ -398,10 +385,13 @@ pub(super) fn set_probabilities(rules: &mut [Rule], chains: &Chains) {
     }
 }
 
-/// Clusters the instances of one transition, given in the order they happened.
-fn cluster(times: &[f64], parameters: &Parameters, resolution: Nanoseconds) -> Vec<TimeCluster> {
-    let mut sorted = times.to_vec();
-    sorted.sort_unstable_by(f64::total_cmp);
+/// Clusters the instances of one transition, given in the order they happened and in that of size.
+fn cluster(
+    times: &[f64],
+    sorted: &[f64],
+    parameters: &Parameters,
+    resolution: Nanoseconds,
+) -> Vec<TimeCluster> {
     match parameters.timing {
         Timing::Plat => CskMeans {
             k: parameters.k,
@@ -410,9 +400,9 @@ fn cluster(times: &[f64], parameters: &Parameters, resolution: Nanoseconds) -> V
             merge_distance_s: parameters.merge_distance_s,
             minimum_support: parameters.minimum_support,
         }
-        .cluster(&sorted),
+        .cluster(sorted),
         Timing::Adaptive => {
-            let mut clusters = optimal::cluster(&sorted, resolution as f64 / SECOND as f64);
+            let mut clusters = optimal::cluster(sorted, seconds(resolution));
             if clusters.len() > 1 {
                 let kinds: Vec<u32> = times
                     .iter()
@@ -431,10 +421,19 @@ fn cluster(times: &[f64], parameters: &Parameters, resolution: Nanoseconds) -> V
 
 /// Dispersion of every branch: of "this transition was taken" among departures from its state.
 fn branch_dispersion(found: &Transitions) -> Vec<f64> {
+    // Most states are left in one way only.
+    let mut ways = std::collections::HashMap::<(ChainIndex, StateId), u32>::new();
+    for rule in &found.rules {
+        *ways.entry((rule.chain, rule.current)).or_default() += 1;
+    }
+    let branches: Vec<bool> =
+        found.rules.iter().map(|rule| ways[&(rule.chain, rule.current)] > 1).collect();
     let mut departures = std::collections::HashMap::<(ChainIndex, StateId), Vec<u32>>::new();
     for instance in &found.instances {
-        let transition = &found.rules[instance.rule as usize];
-        departures.entry((transition.chain, transition.current)).or_default().push(instance.rule);
+        if branches[instance.rule as usize] {
+            let rule = &found.rules[instance.rule as usize];
+            departures.entry((rule.chain, rule.current)).or_default().push(instance.rule);
+        }
     }
     found
         .rules
@@ -480,11 +479,12 @@ fn scan_window(logs: &[&ChangeLog], parameters: &Parameters) -> Nanoseconds {
 }
 
 /// Longest time between two events of each group.
-fn longest_pauses(events: &[Event], chains: &Chains, groups: usize) -> Vec<Nanoseconds> {
+fn longest_pauses(events: &[Happening], chains: &Chains, groups: usize) -> Vec<Nanoseconds> {
     let mut last: Vec<Option<Nanoseconds>> = vec![None; groups];
     let mut longest = vec![0; groups];
+    let mut run = 0;
     for event in events {
-        if event.after_break {
+        if std::mem::replace(&mut run, event.run) != event.run {
             last.fill(None);
         }
         let group = chains.group_of(chains.device_chain(event.signal));
@@ -497,7 +497,7 @@ fn longest_pauses(events: &[Event], chains: &Chains, groups: usize) -> Vec<Nanos
 }
 
 /// The first signal-state of each group's chain: its return closes a group cycle.
-fn group_starts(events: &[Event], chains: &Chains, groups: usize) -> Vec<StateId> {
+fn group_starts(events: &[Happening], chains: &Chains, groups: usize) -> Vec<StateId> {
     let mut starts = vec![NO_STATE; groups];
     for event in events {
         if let Some(chain) = chains.group_chain(event.signal) {

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::log::{Nanoseconds, SECOND};
 use crate::plant::Plant;
-use crate::timing::limits::{self, Accepted};
+use crate::timing::limits::{self, Accepted, Tail};
 
 use super::budget::Budget;
 use super::chains::{ChainIndex, ChainKind, Chains};
@@ -72,6 +72,7 @@ impl NominalModel {
         let table = RuleTable::build(&mut rules, &chains, states.len());
         let evidence = Evidence::of(&rules, &chains);
         let budget = Budget::of(&parameters, &learned, &rules, &chains);
+        let tail = Tail::new(budget.per_time);
         let resolution_s = learned.resolution as f64 / SECOND as f64;
         let accepted = rules
             .iter()
@@ -79,16 +80,14 @@ impl NominalModel {
                 Timing::Plat => limits::plat(&rule.clusters, parameters.allowance_s),
                 // A group's chain repeats what its devices' chains say more sharply.
                 Timing::Adaptive if chains.kind(rule.chain) == ChainKind::Group => Vec::new(),
-                Timing::Adaptive => limits::adaptive(rule.judged(), budget.per_time, resolution_s),
+                Timing::Adaptive => limits::adaptive(rule.judged(), tail, resolution_s),
             })
             .collect();
         let accepted_without = rules
             .iter()
             .enumerate()
             .filter(|(_, rule)| rule.trigger.is_some())
-            .map(|(index, rule)| {
-                (index, limits::adaptive(&rule.clusters, budget.per_time, resolution_s))
-            })
+            .map(|(index, rule)| (index, limits::adaptive(&rule.clusters, tail, resolution_s)))
             .collect();
         Self {
             plant,

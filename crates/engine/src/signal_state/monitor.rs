@@ -625,7 +625,7 @@ impl Monitor {
         if !self.lanes.waits(rule) {
             return Timed::new(own, event.time, true);
         }
-        match Trigger::due(self.lanes.trigger(rule), &self.watch.entered, event.before) {
+        match Trigger::due(self.lanes.trigger(rule), &self.watch.entered, event.before, own) {
             Some(due) => Timed::new(due, event.time, true),
             None => Timed::new(own, event.time, false),
         }

@@ -6,7 +6,9 @@
 //! the cluster's own tail, and since that scale is itself learned from `n` instances, the
 //! predictive tail is the Lomax (Pareto II) distribution with shape `n`:
 //! `P(X > maximum + m) = (1 + m / (n·scale))^-n / (n + 1)`.
-//! Few instances make a heavy tail and so a wide limit; no fixed allowance is needed.
+//! Few instances make a heavy tail and so a wide limit; no fixed allowance is needed. Motions
+//! bounded by mechanics have no exponential tail. Where enough instances show that clearly (the
+//! Gini coefficient of their distances from the median), the predictive tail is Student's t.
 
 use super::TimeCluster;
 
@@ -33,26 +35,50 @@ pub struct Accepted {
     pub late_s: f64,
 }
 
-/// Accepted times per cluster at tail probability `alpha` per transition. An empty answer means
-/// that no time is remarkable, since too few were seen.
-pub fn adaptive(clusters: &[TimeCluster], alpha: f64, resolution_s: f64) -> Vec<Accepted> {
+/// A tail probability per transition, and the normal deviate that goes with it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Tail {
+    alpha: f64,
+    z: f64,
+}
+
+impl Tail {
+    /// The tail passed with probability `alpha`.
+    pub fn new(alpha: f64) -> Self {
+        Self { alpha, z: normal_quantile(alpha) }
+    }
+}
+
+/// Accepted times per cluster for a tail probability per transition. An empty answer means that
+/// no time is remarkable, since too few were seen.
+pub fn adaptive(clusters: &[TimeCluster], tail: Tail, resolution_s: f64) -> Vec<Accepted> {
+    let Tail { alpha, z } = tail;
     if !clusters.iter().any(|c| c.instances >= BODY_INSTANCES) {
         return Vec::new();
     }
     clusters
         .iter()
         .map(|cluster| {
-            let margin = |scale: f64| {
+            let reach = |scale: f64, extreme: f64| {
                 let scale = scale.max(resolution_s);
-                if cluster.instances >= BODY_INSTANCES {
-                    lomax_margin(cluster.instances as f64, scale, alpha)
+                if cluster.instances < BODY_INSTANCES {
+                    return extreme + scale;
+                }
+                let exponential = extreme + lomax_margin(cluster.instances as f64, scale, alpha);
+                if is_bounded(cluster) {
+                    exponential.min(
+                        (normal_reach(cluster.instances as f64, scale, z)).max(extreme + scale),
+                    )
                 } else {
-                    scale
+                    exponential
                 }
             };
+            // Distances from the average outwards, to either side.
+            let (below, above) =
+                (cluster.average_s - cluster.minimum_s, cluster.maximum_s - cluster.average_s);
             Accepted {
-                early_s: (cluster.minimum_s - margin(cluster.early_scale_s)).max(0.0),
-                late_s: cluster.maximum_s + margin(cluster.late_scale_s),
+                early_s: (cluster.average_s - reach(cluster.early_scale_s, below)).max(0.0),
+                late_s: cluster.average_s + reach(cluster.late_scale_s, above),
             }
         })
         .collect()
@@ -66,6 +92,41 @@ pub fn plat(clusters: &[TimeCluster], allowance_s: Option<f64>) -> Vec<Accepted>
         .iter()
         .map(|c| Accepted { early_s: 0.0, late_s: c.maximum_s + allowance(c.maximum_s) })
         .collect()
+}
+
+/// Instances from which the shape of a tail can be told.
+const SHAPE_INSTANCES: u64 = 20;
+/// Deviations of the Gini coefficient below ½ that rule exponential tails out.
+const SHAPE_DEVIATIONS: f64 = 3.5;
+
+/// True where the instances rule an exponential tail out.
+fn is_bounded(cluster: &TimeCluster) -> bool {
+    // The Gini coefficient of n exponential draws has mean ½ and variance 1/(12 n).
+    let deviation = (12.0 * cluster.instances as f64).sqrt().recip();
+    cluster.instances >= SHAPE_INSTANCES && cluster.tail_gini < 0.5 - SHAPE_DEVIATIONS * deviation
+}
+
+/// Distance from the centre that Student's t passes with the probability of `z`; `scale` is the
+/// mean distance of a half, √(2/π) of a normal law's deviation.
+fn normal_reach(instances: f64, scale: f64, z: f64) -> f64 {
+    let degrees = instances - 1.0;
+    // Peiser's expansion of the quantile of Student's t.
+    let t = z + (z.powi(3) + z) / (4.0 * degrees);
+    t * scale * (std::f64::consts::PI / 2.0).sqrt() * (1.0 + 1.0 / instances).sqrt()
+}
+
+/// The standard normal deviate passed with probability `alpha`, by bisection.
+fn normal_quantile(alpha: f64) -> f64 {
+    let (mut low, mut high) = (0.0, 40.0);
+    for _ in 0..80 {
+        let middle = 0.5 * (low + high);
+        if 0.5 * libm::erfc(middle / std::f64::consts::SQRT_2) > alpha {
+            low = middle;
+        } else {
+            high = middle;
+        }
+    }
+    low
 }
 
 /// The margin beyond an extreme that is passed with probability `alpha`.
@@ -91,6 +152,7 @@ mod tests {
         assert!(margin(3.0) > 2.0 * margin(5.0));
         assert!(margin(5.0) > margin(20.0));
         assert!(margin(20.0) > margin(1000.0));
+        assert!((normal_quantile(0.025) - 1.959_964).abs() < 1e-5);
         // 20 instances: 20 · 0.01 · ((1e6/21)^(1/20) − 1) = 0.1427…
         assert!((margin(20.0) - 0.1427).abs() < 1e-3);
     }

@@ -15,6 +15,19 @@ const SEPARATION: f64 = 3.0;
 /// probability. Without it a handful of instances falls apart into single ones.
 const CHANCE_GAP: f64 = 1e-3;
 
+/// False where even the widest gap is one that chance leaves, so that nothing can be told apart.
+fn has_wide_gap(sorted: &[f64], resolution_s: f64) -> bool {
+    let range = sorted[sorted.len() - 1] - sorted[0];
+    let widest = sorted.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
+    widest > SEPARATION * resolution_s && chance_of_gap(sorted.len(), widest / range) <= CHANCE_GAP
+}
+
+/// The widest of the spacings between n points spread evenly over a range exceeds the share `gap`
+/// of it with at most this probability: n (1 − gap)^(n−1) (Fisher 1929, first term).
+fn chance_of_gap(n: usize, gap: f64) -> f64 {
+    n as f64 * (1.0 - gap).powf(n as f64 - 1.0)
+}
+
 /// One value, or several pooled neighbours.
 #[derive(Clone, Copy)]
 struct Point {
@@ -30,19 +43,18 @@ pub fn cluster(sorted: &[f64], resolution_s: f64) -> Vec<TimeCluster> {
     if sorted.is_empty() {
         return Vec::new();
     }
-    let points = points(sorted);
-    let floor = (resolution_s / 12f64.sqrt()).max(1e-6);
-    let spread = sorted[sorted.len() - 1] - sorted[0];
-    let starts = if points.len() == 1 || spread <= SEPARATION * resolution_s {
-        vec![0]
+    let starts = if has_wide_gap(sorted, resolution_s) {
+        let floor = (resolution_s / 12f64.sqrt()).max(1e-6);
+        best_starts(sorted, &points(sorted), floor)
     } else {
-        best_starts(sorted, &points, floor)
+        vec![0]
     };
     join_unseparated(sorted, &starts, resolution_s)
         .map(|run| {
             let mut cluster = TimeCluster::of(run, sorted.len());
             (cluster.early_scale_s, cluster.late_scale_s) = half_scales(run);
             cluster.deviation_s = deviation(run, cluster.average_s);
+            cluster.tail_gini = tail_gini(run);
             cluster
         })
         .collect()
@@ -147,8 +159,9 @@ fn fill(
         return;
     }
     let middle = low.midpoint(high);
-    for start in cut_low..=cut_high.min(middle - 1) {
-        let cost = before[start] + prefix.cost(start, middle);
+    let last = cut_high.min(middle - 1);
+    for (start, &cost_before) in before.iter().enumerate().take(last + 1).skip(cut_low) {
+        let cost = cost_before + prefix.cost(start, middle);
         if cost < next[middle] {
             next[middle] = cost;
             cut[middle] = start;
@@ -219,11 +232,42 @@ fn separated(left: &[f64], right: &[f64], resolution_s: f64) -> bool {
     };
     let gap = right_first - left_last;
     let spread = half_scales(left).1.max(half_scales(right).0);
-    // The widest of the spacings between n points spread evenly over a range (Fisher 1929, first
-    // term): P(widest > g) ≤ n (1 − g/range)^(n−1).
-    let n = (left.len() + right.len()) as f64;
-    let by_chance = n * (1.0 - gap / (last - first)).powf(n - 1.0);
+    let by_chance = chance_of_gap(left.len() + right.len(), gap / (last - first));
     gap > SEPARATION * spread.max(resolution_s) && by_chance <= CHANCE_GAP
+}
+
+/// Gini coefficient of the distances from the median; ½ where there is none to measure.
+fn tail_gini(run: &[f64]) -> f64 {
+    let n = run.len();
+    let median = run[n / 2];
+    // Distances in ascending order: the two halves, merged from the middle outwards.
+    let (mut below, mut above) =
+        (run[..n / 2].iter().rev().peekable(), run[n / 2..].iter().peekable());
+    let (mut total, mut weighted) = (0.0, 0.0);
+    for rank in 1..=n {
+        let distance = match (below.peek(), above.peek()) {
+            (Some(&&b), Some(&&a)) if median - b < a - median => {
+                below.next();
+                median - b
+            }
+            (Some(&&b), None) => {
+                below.next();
+                median - b
+            }
+            (_, Some(&&a)) => {
+                above.next();
+                a - median
+            }
+            (None, None) => break,
+        };
+        total += distance;
+        weighted += rank as f64 * distance;
+    }
+    if total > 0.0 {
+        2.0 * weighted / (n as f64 * total) - (n as f64 + 1.0) / n as f64
+    } else {
+        0.5
+    }
 }
 
 fn deviation(run: &[f64], mean: f64) -> f64 {
