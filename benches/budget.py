@@ -1,7 +1,10 @@
 """Is the budget honest? False alarms a day against `--false-alarms`, and what each budget finds."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from functools import partial
+from itertools import pairwise
+from pathlib import Path
 from typing import Any
 
 import runglight as rl
@@ -18,7 +21,7 @@ LEARN_SHARE = 0.6
 FOLDS = 5
 CELL_CYCLES = 600
 TINY_EVENTS = 400_000
-PLAN = {"faults": 150, "late": 150, "early": 50}
+PLAN = InjectionPlan(faults=150, late=150, early=50)
 
 Part = tuple[list[rl.Log], rl.Log]
 """Logs to learn from, and the log to watch."""
@@ -49,7 +52,7 @@ def sources(options: Options) -> list[Source]:
     if not options.quick:
         found.append(Source("bodyshop a, 1 seed", lambda: [_bodyshop("a", 1, 3_700_000)]))
     for name, path in list(recordings().items())[: 1 if options.quick else None]:
-        found.append(Source(name, lambda path=path: list(folds(read(path)))))
+        found.append(Source(name, partial(_folds_of, path)))
     return found
 
 
@@ -64,10 +67,18 @@ def _bodyshop(size: str, seed: int, events: int) -> Part:
     return [plant.learn], plant.watch
 
 
+def _folds_of(path: Path) -> list[Part]:
+    return list(folds(read(path)))
+
+
+def _cut_of(path: Path) -> list[Part]:
+    return [_cut(read(path))]
+
+
 def folds(log: rl.Log) -> Iterator[Part]:
     """Each fifth of a log in turn is watched, by what the others taught."""
     bounds = [round(len(log) * fold / FOLDS) for fold in range(FOLDS + 1)]
-    for start, end in zip(bounds, bounds[1:], strict=False):
+    for start, end in pairwise(bounds):
         others = [log.slice(0, start), log.slice(end)]
         yield [each for each in others if len(each)], log.slice(start, end - start)
 
@@ -78,9 +89,9 @@ def measure(options: Options) -> dict[str, Any]:
     curves: dict[str, Any] = {}
     for source in sources(options):
         parts = source.parts()
-        rates[source.name] = {
-            str(budget): _alarms(parts, budget) for budget in BUDGETS
-        } | {"plat": _alarms(parts, None)}
+        rates[source.name] = {str(budget): _alarms(parts, budget) for budget in BUDGETS} | {
+            "plat": _alarms(parts, None)
+        }
     for source in _curve_sources(options):
         curves[source.name] = _curve(source.parts(), options)
     return {"rates": rates, "curves": curves}
@@ -104,7 +115,8 @@ def _model(learned: list[rl.Log], budget: float | None) -> rl.NominalModel:
 
 
 def _said(model: rl.NominalModel, log: rl.Log) -> dict[str, int]:
-    severity, incident = {}, {}
+    severity: dict[str, str] = {}
+    incident: dict[str, str] = {}
     for finding in model.watch(log):
         severity.setdefault(finding["id"], finding["severity"])
         incident.setdefault(finding["id"], finding["incident"])
@@ -127,7 +139,7 @@ def _curve_sources(options: Options) -> list[Source]:
     for name in ("vps_filling/Filling_ALL", "smartfactory_owl_conveyor/log2",
                  "atspm_signal/sample_raw_data"):  # fmt: skip
         if name in real and not options.quick:
-            found.append(Source(name, lambda path=real[name]: [_cut(read(path))]))
+            found.append(Source(name, partial(_cut_of, real[name])))
     return found
 
 
@@ -137,7 +149,7 @@ def _curve(parts: list[Part], options: Options) -> list[dict[str, float]]:
     for learned, watched in parts:
         placing = rl.learn([watched, *learned], timing="plat")
         faulty = [
-            inject_with(watched, InjectionPlan(**PLAN, seed=seed), placing, learned)
+            inject_with(watched, replace(PLAN, seed=seed), placing, learned)
             for seed in (seeds if len(parts) == 1 else seeds[:1])
         ]
         injected.append((learned, watched, faulty))

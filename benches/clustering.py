@@ -134,12 +134,12 @@ class Clusterings:
         self._library.cluster_and_merge.restype = ctypes.c_int64
         self._of, self._k, self._most = of, k, most
         bytes_each = self._library.bytes_of_clusters()
-        self._optima = np.zeros(len(of) * k * bytes_each, dtype=np.uint8)
+        self.optima = np.zeros(len(of) * k * bytes_each, dtype=np.uint8)
         self.chosen = np.zeros(len(of), dtype=np.int32)
 
     def find_optima(self) -> None:
         """The optimum for each number of clusters; `chosen` is what BIC makes of them."""
-        self._library.find_optima(*self._data(), self._k, _at(self._optima), _at(self.chosen))
+        self._library.find_optima(*self._data(), self._k, _at(self.optima), _at(self.chosen))
 
     def cluster_and_merge(self, epsilon: float) -> int:
         """CSk-means and merging; the number of clusters left."""
@@ -158,7 +158,7 @@ class Clusterings:
             ctypes.c_double(MERGE_S),
             self._most if restricted else UNRESTRICTED,
             ctypes.c_double(CLOSE_S),
-            _at(self._optima),
+            _at(self.optima),
             _at(counts),
         )
         clusters, off, far, merged, merged_off, merged_far, rounds, transitions = counts.tolist()

@@ -1,6 +1,7 @@
 """Faults put into real recordings, and what is said of the part in which nothing was put."""
 
 from collections import Counter
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
@@ -14,11 +15,11 @@ from runglight.injection import InjectionPlan, inject_with, score
 LEARN_SHARE = 0.6
 EACH = 150
 STALLS = 5
-PLANS: dict[str, dict[str, int]] = {
-    "faults of order": {"faults": EACH},
-    "late": {"late": EACH},
-    "early": {"early": EACH},
-    "stalls": {"stalls": STALLS},
+PLANS = {
+    "faults of order": InjectionPlan(faults=EACH),
+    "late": InjectionPlan(late=EACH),
+    "early": InjectionPlan(early=EACH),
+    "stalls": InjectionPlan(stalls=STALLS),
 }
 """Each kind alone, so that none takes another's room."""
 VARIANTS: dict[str, dict[str, Any]] = {
@@ -43,7 +44,7 @@ def _measure_recording(path: Path, options: Options) -> dict[str, Any]:
     for kind, plan in PLANS.items():
         counts = {name: Counter[str]() for name in models}
         for seed in options.seeds:
-            made = inject_with(watched, InjectionPlan(**plan, seed=seed), placing, [learned])
+            made = inject_with(watched, replace(plan, seed=seed), placing, [learned])
             for name, model in models.items():
                 findings = list(model.watch(made.log))
                 for severities in ("alarm", "any"):
@@ -66,7 +67,7 @@ def _measure_recording(path: Path, options: Options) -> dict[str, Any]:
 
 
 def _nominal(model: rl.NominalModel, watched: rl.Log) -> dict[str, Any]:
-    first = {}
+    first: dict[str, dict[str, Any]] = {}
     for finding in model.watch(watched):
         first.setdefault(finding["id"], finding)
     alarms = [each for each in first.values() if each["severity"] != "notice"]
@@ -122,7 +123,7 @@ def _nominal_table(results: dict[str, Any]) -> Table:
                 [
                     recording,
                     name,
-                    ", ".join(f"{kind} {count:,}" for kind, count in shown) or "–",
+                    ", ".join(f"{kind} {count:,}" for kind, count in shown) or "-",
                     f"{found['devices']}",
                     f"{found['watched_events']:,}",
                     f"{24 * 60 * found['days']:.1f}",

@@ -1,8 +1,8 @@
 """Late transitions by the truth of a simulated body shop: over the actual time they belong to.
 
 Ghosh 2016 (section 3.2) takes "the maximum value of an actual transition time cluster as the true
-maximum": a stacker that goes left in 5 s and right in 5.8 s is late after 5 s even below 5.8 s. A log
-alone does not tell such times apart, so `runglight.injection` takes the maximum of the whole
+maximum": a stacker that goes left in 5 s and right in 5.8 s is late after 5 s even below 5.8 s. A
+log alone does not tell such times apart, so `runglight.injection` takes the maximum of the whole
 transition; the simulation knows. It also knows what a device waited for: such a transition is late
 when it comes too long after that.
 """
@@ -11,6 +11,8 @@ from bisect import bisect_right
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, field
+from itertools import pairwise
+from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -25,6 +27,7 @@ SPACING_NS = 10_000_000_000
 MOVED_AT_MOST = 200
 
 Integers = npt.NDArray[np.int64]
+_Kind = Literal["own", "wait", "hidden"]
 
 
 @dataclass(frozen=True)
@@ -63,6 +66,18 @@ def insert_late(plant: Bodyshop, number: int, over: Distribution, seed: int) -> 
     return _Inserter(plant).insert(number, over, np.random.default_rng(seed))
 
 
+class _Made(NamedTuple):
+    """One late transition, from row `before` to `row`; sorted by when it was due."""
+
+    due: int
+    start: int
+    end: int
+    before: int
+    row: int
+    kind: _Kind
+    size_s: float
+
+
 class _Inserter:
     def __init__(self, plant: Bodyshop) -> None:
         run = plant.run.watch
@@ -74,7 +89,7 @@ class _Inserter:
         device = np.array([number[name] for name in self._device_of_signal])[run.signal_index]
         order = np.argsort(device, kind="stable")
         bounds = np.searchsorted(device[order], np.arange(len(number) + 1))
-        self._rows = [order[low:high] for low, high in zip(bounds, bounds[1:], strict=False)]
+        self._rows = [order[low:high] for low, high in pairwise(bounds)]
         self._device = device
         self._place = np.empty(len(order), dtype=np.int64)
         for rows in self._rows:
@@ -104,7 +119,7 @@ class _Inserter:
     def insert(self, number: int, over: Distribution, random: np.random.Generator) -> Late:
         sizes_s = over.draw_s(random, number).tolist()
         room = _Room()
-        found: list[tuple[int, int, int, int, int, str, float]] = []
+        found: list[_Made] = []
         clean_ns = int(self._run.time_ns[0]) + (self._run.end_ns - int(self._run.time_ns[0])) // 10
         for row in random.permutation(len(self._time)).tolist():
             if len(found) == number:
@@ -114,13 +129,13 @@ class _Inserter:
             size_ns = round(sizes_s[len(found)] * 1e9 / TICK_NS) * TICK_NS
             made = self._make_late(row, size_ns, room)
             if made is not None:
-                found.append((*made, size_ns / 1e9))
+                found.append(made)
         found.sort()
         labels = []
         ids: dict[str, set[str]] = {"own": set(), "wait": set(), "hidden": set()}
-        for at, (due, start, end, before, row, kind, size_s) in enumerate(found, 1):
-            labels.append(self._label(f"T{at:05}", due, start, end, before, row, size_s))
-            ids[kind].add(labels[-1].id)
+        for at, made in enumerate(found, 1):
+            labels.append(self._label(f"T{at:05}", made))
+            ids[made.kind].add(labels[-1].id)
         order = np.argsort(self._time, kind="stable")
         run = self._run
         log = rl.Log.from_columns(
@@ -128,9 +143,7 @@ class _Inserter:
         )
         return Late(log, labels, frozenset(ids["wait"]), frozenset(ids["hidden"]))
 
-    def _make_late(
-        self, row: int, size_ns: int, room: _Room
-    ) -> tuple[int, int, int, int, int, str] | None:
+    def _make_late(self, row: int, size_ns: int, room: _Room) -> _Made | None:
         rows, place = self._rows[self._device[row]], int(self._place[row])
         if place == 0:
             return None
@@ -155,9 +168,9 @@ class _Inserter:
             return None
         for each, time in moves:
             self._time[each] = time
-        return due_ns, start, last_ns, before, row, kind
+        return _Made(due_ns, start, last_ns, before, row, kind, size_ns / 1e9)
 
-    def _due(self, before: int, row: int) -> tuple[int, str, list[tuple[int, int]]] | None:
+    def _due(self, before: int, row: int) -> tuple[int, _Kind, list[tuple[int, int]]] | None:
         """When the transition has taken as long as it truly ever does, this time.
 
         Also whether its time is its own or a wait, and when its other times would have been.
@@ -209,21 +222,21 @@ class _Inserter:
         for at in range(place + 1, len(rows)):
             yield int(rows[at - 1]), int(rows[at])
 
-    def _label(
-        self, name: str, due: int, start: int, end: int, before: int, row: int, size_s: float
-    ) -> InjectionLabel:
-        group, device, signal = self._run.signals[self._run.signal_index[row]].split("-", 2)
+    def _label(self, name: str, made: _Made) -> InjectionLabel:
+        run = self._run
+        group, device, signal = run.signals[run.signal_index[made.row]].split("-", 2)
+        current, following = (self._name[self._state[row]] for row in (made.before, made.row))
         return InjectionLabel(
             id=name,
-            time=iso(due),
-            start=iso(start),
-            end=iso(end),
+            time=iso(made.due),
+            start=iso(made.start),
+            end=iso(made.end),
             kind=InjectionKind.LATE,
             group=group,
             device=device,
             signal=signal,
-            from_state=self._name[self._state[before]],
-            to_state=self._name[self._state[row]],
-            size_s=size_s,
-            description=f"{self._name[self._state[row]]} comes {size_s:g} s over its actual time",
+            from_state=current,
+            to_state=following,
+            size_s=made.size_s,
+            description=f"{following} comes {made.size_s:g} s over its actual time",
         )

@@ -1,4 +1,4 @@
-"""What watching needs: `python -m benches.memory_of_watching MODEL LOG RESULT.json`, in a new process."""
+"""Memory of a new process: `python -m benches.memory_of_watching MODEL LOG RESULT.json`."""
 
 import ctypes
 import json

@@ -1,4 +1,4 @@
-"""docs/reference/benchmarks.md, written from the JSON beside it: `python -m benches.page [--check]`."""
+"""docs/reference/benchmarks.md, from the JSON beside it: `python -m benches.page [--check]`."""
 
 import argparse
 import json
@@ -41,7 +41,9 @@ def page(results: dict[str, Any]) -> str:
         for table in topic.tables(results[name]):
             text += f"\n### {table.title}\n\n{table.markdown()}"
         if name == "budget":
-            text += f"\n![Injected faults found and false alarms, over the budget]({PICTURE.name})\n"
+            text += (
+                f"\n![Injected faults found and false alarms, over the budget]({PICTURE.name})\n"
+            )
     return text
 
 
@@ -92,7 +94,9 @@ def _machine(results: dict[str, Any]) -> Table:
 def main() -> None:
     """The command."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--check", action="store_true", help="fail where the page is not the JSON's")
+    parser.add_argument(
+        "--check", action="store_true", help="fail where the page is not the JSON's"
+    )
     asked = parser.parse_args()
     results = json.loads(NUMBERS.read_text(encoding="utf-8"))
     if not asked.check:

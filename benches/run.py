@@ -37,7 +37,10 @@ def run(options: Options, chosen: list[str], output: Path) -> dict[str, Any]:
         measured = TOPICS[name].measure(options)
         # What is printed is what will be read back.
         results[name] = json.loads(json.dumps(measured))
-        took = {"wall_s": time.perf_counter() - began, "processor_s": time.process_time() - processor}
+        took = {
+            "wall_s": time.perf_counter() - began,
+            "processor_s": time.process_time() - processor,
+        }
         results.setdefault("took", {})[name] = took
         for table in TOPICS[name].tables(results[name]):
             console.print(table.rich())

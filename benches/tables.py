@@ -42,4 +42,4 @@ def verdict(met: bool) -> str:
 
 def share(part: float, whole: float, decimals: int = 1) -> str:
     """A share in percent; a dash where there is nothing to share."""
-    return f"{100 * part / whole:.{decimals}f} %" if whole else "–"
+    return f"{100 * part / whole:.{decimals}f} %" if whole else "-"

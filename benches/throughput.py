@@ -4,6 +4,7 @@ import ctypes
 import json
 import sys
 import tempfile
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -82,7 +83,7 @@ def _learn(
     for timing in TIMINGS:
         watch = Stopwatch()
         for _ in range(1 if options.quick else 2):
-            models[timing] = watch.time(lambda timing=timing: rl.learn(plant.learn, timing=timing))
+            models[timing] = watch.time(partial(rl.learn, plant.learn, timing=timing))
         rates[timing] = len(plant.learn) / watch.best / 1e6
     return models, rates
 
@@ -115,10 +116,8 @@ def _watch(
             findings["baseline"] = sum(summary[kind] for kind in BASELINE_FINDINGS)
             for timing, model in models.items():
                 for _ in range(BASELINE_REPEAT):
-                    findings[timing] = ours[timing].time(
-                        lambda model=model: _observe(model, [plant.watch])
-                    )
-                from_arrow[timing].time(lambda model=model: _observe(model, batches))
+                    findings[timing] = ours[timing].time(partial(_observe, model, [plant.watch]))
+                from_arrow[timing].time(partial(_observe, model, batches))
             loop.run()
     events = len(plant.watch) / 1e6
     return {
@@ -134,6 +133,10 @@ def _observe(model: rl.NominalModel, batches: list[Any]) -> int:
     monitor = model.monitor()
     found = sum(len(monitor.observe(batch)) for batch in batches)
     return found + len(monitor.finish())
+
+
+def _read_and_observe(model: rl.NominalModel, path: Path) -> int:
+    return _observe(model, [rl.read_log(path)])
 
 
 class PlainLoop:
@@ -195,10 +198,10 @@ def _csv(
     for timing, model in models.items():
         model.save(folder / timing)
     for _ in range(options.repeat):
-        reading.time(lambda: rl.read_log(path))
+        reading.time(partial(rl.read_log, path))
         for timing, model in models.items():
-            inside[timing].time(lambda model=model: _observe(model, [rl.read_log(path)]))
-            words = [
+            inside[timing].time(partial(_read_and_observe, model, path))
+            words: list[str | Path] = [
                 sys.executable, "-m", "runglight", "watch", folder / timing, path,
                 "--format", "jsonl", "-o", folder / "findings.jsonl",
             ]  # fmt: skip
@@ -264,7 +267,13 @@ def figures(results: dict[str, Any]) -> list[dict[str, Any]]:
 
 def tables(results: dict[str, Any]) -> list[Table]:
     """The floors, then what they are made of."""
-    return [_floors(results), _speeds(results), _limits(results), _memories(results), _schemes(results)]
+    return [
+        _floors(results),
+        _speeds(results),
+        _limits(results),
+        _memories(results),
+        _schemes(results),
+    ]
 
 
 def _floors(results: dict[str, Any]) -> Table:
@@ -279,9 +288,7 @@ def _floors(results: dict[str, Any]) -> Table:
         ]
         for figure in figures(results)
     ]
-    return Table(
-        "Floors", ["plant", "timing", "figure", "measured", "floor", ""], rows, left=3
-    )
+    return Table("Floors", ["plant", "timing", "figure", "measured", "floor", ""], rows, left=3)
 
 
 def _speeds(results: dict[str, Any]) -> Table:
@@ -308,12 +315,14 @@ def _speeds(results: dict[str, Any]) -> Table:
                     f"C++, {'as published' if build == 'published' else '-O3'}",
                     f"{plant['baseline_learn'][build]:.2f}",
                     f"{plant['baseline_watch'][build]:.2f}",
-                    *["–"] * 4,
+                    *["-"] * 4,
                     f"{plant['findings']['baseline']:,}",
                 ]
             )
-        rows.append([size, "plain loop", "–", f"{plant['loop']:.1f}", *["–"] * 5])
-        rows.append([size, "CSV reader alone", *["–"] * 3, f"{plant['csv']['read']:.2f}", *["–"] * 3])
+        rows.append([size, "plain loop", "-", f"{plant['loop']:.1f}", *["-"] * 5])
+        rows.append(
+            [size, "CSV reader alone", *["-"] * 3, f"{plant['csv']['read']:.2f}", *["-"] * 3]
+        )
     return Table(
         "Million events per second of processor time",
         ["plant", "what", "learn", "watch, columns", "watch, Arrow", "CSV, in process",
@@ -375,7 +384,10 @@ def _schemes(results: dict[str, Any]) -> Table:
         for variant, found in plant["probes"].items():
             cells = []
             for table in ("index", "device"):
-                probes, queries = found["probes"][table]["probes"], found["probes"][table]["queries"]
+                probes, queries = (
+                    found["probes"][table]["probes"],
+                    found["probes"][table]["queries"],
+                )
                 double = plant["probes"]["double hashing"]["probes"][table]["probes"]
                 cells += [f"{queries:,}", f"{probes:,}", f"{100 * (probes / double - 1):+.2f} %"]
             speeds = [f"{found['rates'][build]:.2f}" for build in baseline.BUILDS]
