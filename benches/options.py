@@ -31,7 +31,7 @@ class Options:
     @property
     def repeat(self) -> int:
         """Repetitions of what is timed."""
-        return 1 if self.quick else 4
+        return 1 if self.quick else 3
 
     def few(self, everything: Sequence[Item], some: Sequence[Item]) -> tuple[Item, ...]:
         """All, or only some where it must be quick."""

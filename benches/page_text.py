@@ -54,7 +54,8 @@ inserted, over three plants of each size.""",
 Learned on 60 %, watched on the rest; recordings by cross-validation, each fifth watched by what
 the other four taught. Their operation is presumed nominal, which nobody has confirmed. Minutes of
 recording cannot prove a rate of 0.1 a day: the bounds are exact (Poisson, one-sided, 95 % each).
-*Broken*: the lower bound is above the budget; *kept*: the upper bound is not; else *not refuted*.""",
+*Broken*: the lower bound is above the budget; *kept*: the upper bound is not; else *not
+refuted*.""",
     ),
     "recordings": (
         "Faults in real recordings",

@@ -63,7 +63,7 @@ def _measure_plant(plant: Bodyshop, options: Options) -> dict[str, Any]:
             for build in baseline.BUILDS
         }
         results.update(_watch(plant, models, folder, options))
-        results["probes"] = _probes(folder, options)
+        results["probes"] = _probes(folder)
         results["csv"] = _csv(plant, models, folder, options)
         results["memory"] = _memory(plant, models, folder)
     return results
@@ -168,20 +168,22 @@ class PlainLoop:
         self.watch.seconds.append(seconds)
 
 
-def _probes(folder: Path, options: Options) -> dict[str, Any]:
+def _probes(folder: Path) -> dict[str, Any]:
     """Speeds and probe lengths of the paper's variants."""
     results: dict[str, Any] = {}
-    for _ in range(1 if options.quick else 2):
-        for variant, chosen in PROBING_VARIANTS.items():
-            kept = results.setdefault(variant, {"rates": dict.fromkeys(baseline.BUILDS, 0.0)})
-            for build in baseline.BUILDS:
-                summary = baseline.run(
-                    build, "watch", folder / "rules.tsv", folder / "watch.tsv",
-                    "--repeat", str(BASELINE_REPEAT), *chosen,
-                )  # fmt: skip
-                kept["rates"][build] = max(kept["rates"][build], _rate(summary))
-            kept["probes"] = summary["probes"]
-            kept["memory_mb"] = summary["memory_bytes"] / 1e6
+    for variant, chosen in PROBING_VARIANTS.items():
+        rates = {}
+        for build in baseline.BUILDS:
+            summary = baseline.run(
+                build, "watch", folder / "rules.tsv", folder / "watch.tsv",
+                "--repeat", str(BASELINE_REPEAT), *chosen,
+            )  # fmt: skip
+            rates[build] = _rate(summary)
+        results[variant] = {
+            "rates": rates,
+            "probes": summary["probes"],
+            "memory_mb": summary["memory_bytes"] / 1e6,
+        }
     return results
 
 
