@@ -6,11 +6,13 @@ from dataclasses import dataclass, replace
 from math import inf
 from typing import Any, Literal
 
+from msgspec import structs
+
 import runglight as rl
 from benches.late_by_truth import insert_late
 from benches.options import PLANT_SEED, Options
 from benches.plants import Bodyshop
-from benches.tables import Table, share, verdict
+from benches.tables import Table, verdict
 from runglight.injection import (
     Distribution,
     InjectionLabel,
@@ -40,6 +42,8 @@ PUBLISHED_LATE = {"main": 1304 / 1500, "a": 461 / 500, "b": 449 / 500}
 WITHIN = 0.02
 FALSE_PER_MILLION = 10.0
 LATE_FOUND = 0.99
+WAYS = {"alarm": "by an alarm", "incident": "in an incident with one", "any": "by anything"}
+"""How a label may have been told."""
 SEVERITIES: tuple[Literal["alarm", "any"], ...] = ("alarm", "any")
 
 
@@ -139,8 +143,20 @@ def _detected(
         for severities in SEVERITIES:
             told = score(labels, findings, severities=severities)
             of_variant[severities] = _counts(told, labels, waits, hidden)
+        of_variant["incident"] = _counts(_of_alarms(told, findings), labels, waits, hidden)
         found[variant.name] = of_variant
     return found
+
+
+def _of_alarms(told: Score, findings: list[dict[str, Any]]) -> Score:
+    """What was told by a finding of an incident that holds an alarm.
+
+    An alarm on a neighbour may stand before the finding that names the device, as its consequence.
+    """
+    incident = {finding["id"]: finding["incident"] for finding in findings}
+    alarmed = {each["incident"] for each in findings if each["severity"] != "notice"}
+    unalarmed = {label for label, by in told.found_by.items() if incident[by] not in alarmed}
+    return structs.replace(told, missed=[*told.missed, *unalarmed])
 
 
 def _counts(
@@ -237,9 +253,8 @@ def _found(results: dict[str, Any]) -> Table:
     for size, plant in results.items():
         runs = len(plant["seeds"])
         for name, found in plant["by_log"].items():
-            alarm, said = found["alarm"], found["any"]
-            late = [sum(c.get(f"late_{way}{e}", 0) for way in ("own", "waits"))
-                    for c in (alarm, said) for e in ("_found", "")]  # fmt: skip
+            alarm = found["alarm"]
+            late = sum(alarm.get(f"late_{way}", 0) for way in ("own", "waits"))
             kinds = sorted(kind.removeprefix("fault ") for kind in alarm if _is_kind(kind))
             missed = [
                 f"{kind} {alarm[f'fault {kind}'] - alarm[f'fault {kind}_found']}"
@@ -251,19 +266,17 @@ def _found(results: dict[str, Any]) -> Table:
                     size,
                     name,
                     ", ".join(missed) or "none",
-                    f"{alarm['faults_found']:,} of {alarm['faults']:,}",
-                    f"{100 * _share(alarm, 'faults'):.2f} %",
-                    f"{100 * _share(said, 'faults'):.2f} %",
-                    f"{late[0]:,} of {late[1]:,}",
-                    share(late[0], late[1], 2),
-                    share(late[2], late[3], 2),
+                    f"{alarm['faults']:,}",
+                    *(f"{100 * _share(found[way], 'faults'):.2f} %" for way in WAYS),
+                    f"{late:,}",
+                    *(f"{100 * _late_share(found[way]):.2f} %" for way in WAYS),
                     f"{alarm['false'] / runs:.1f}",
                 ]
             )
     return Table(
         "Inserted by `runglight.injection`: late over the maximum of the transition",
-        ["plant", "timing", "faults missed", "faults found", "alarms", "any severity",
-         "late found", "alarms", "any severity", "other alarms a run"],
+        ["plant", "timing", "faults without alarm", "faults", *WAYS.values(), "late",
+         *WAYS.values(), "other alarms a run"],
         rows,
         left=3,
     )  # fmt: skip
@@ -279,18 +292,16 @@ def _by_truth(results: dict[str, Any]) -> Table:
         for name, found in plant["by_truth"].items():
             cells = []
             for kind in ("late_own", "late_hidden", "late_waits"):
-                alarm, said = found["alarm"], found["any"]
                 cells += [
-                    f"{alarm.get(f'{kind}_found', 0):,} of {alarm.get(kind, 0):,}",
-                    share(alarm.get(f"{kind}_found", 0), alarm.get(kind, 0), 2),
-                    share(said.get(f"{kind}_found", 0), said.get(kind, 0), 2),
+                    f"{found['alarm'].get(kind, 0):,}",
+                    *(f"{100 * _share(found[way], kind):.2f} %" for way in WAYS),
                 ]
             published = PUBLISHED_LATE.get(size) if name == "plat, 1 s" else None
             rows.append([size, name, *cells, f"{100 * published:.2f} %" if published else "-"])
     return Table(
         "Late by the truth: over the actual time, or after what the device waited for",
-        ["plant", "timing", "own times: found", "alarms", "any severity", "hidden in another time",
-         "alarms", "any severity", "waits: found", "alarms", "any severity", "paper"],
+        ["plant", "timing", "own times", *WAYS.values(), "hidden in another time",
+         *WAYS.values(), "waits", *WAYS.values(), "paper"],
         rows,
         left=2,
     )  # fmt: skip
