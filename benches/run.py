@@ -20,6 +20,7 @@ from benches.topics import TOPICS
 
 FOLDER = Path(__file__).parent
 LATEST = FOLDER / "results" / "latest.json"
+WIDTH_OF_A_FILE = 220
 BUILDS = (FOLDER / "c", FOLDER / "plat_baseline")
 
 
@@ -31,6 +32,8 @@ def run(options: Options, chosen: list[str], output: Path) -> dict[str, Any]:
     if output.is_file() and chosen != list(TOPICS):
         results = json.loads(output.read_text(encoding="utf-8"))
     console = Console()
+    if not console.is_terminal:
+        console.width = max(console.width, WIDTH_OF_A_FILE)
     results |= {"quick": options.quick, "machine": machine()}
     for name in chosen:
         began, processor = time.perf_counter(), time.process_time()
