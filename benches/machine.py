@@ -3,7 +3,6 @@
 import os
 import platform
 import subprocess
-import sys
 from pathlib import Path
 from typing import Any
 
@@ -21,13 +20,12 @@ def machine() -> dict[str, Any]:
         "level 3 cache": _cache("index3"),
         "memory_gb": round(os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES") / 2**30, 1),
         "system": _system(),
-        "kernel": platform.release(),
+        "kernel": platform.release().partition("-")[0],
         "python": platform.python_version(),
         "numpy": np.__version__,
         "runglight": runglight.__version__,
         "compiler": _first_line("g++", "--version"),
         "load": list(os.getloadavg()),
-        "argv": sys.argv[1:],
     }
 
 

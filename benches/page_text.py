@@ -49,6 +49,13 @@ faults and anomalies that name the device; *in an incident with one* also counts
 it and follow an alarm elsewhere; *by anything* counts all notices. False findings are counted where
 nothing was inserted, over three plants of each size.""",
     ),
+    "triggers": (
+        "What transitions wait for",
+        """\
+The body shop's devices wait for events of other devices; the simulation knows which. Here are the
+transitions of such waits that the learning part shows at least 20 times. Where another
+trigger than the true one always came at the same time, no log can tell them apart.""",
+    ),
     "budget": (
         "The budget",
         """\

@@ -2,12 +2,13 @@
 
 from types import ModuleType
 
-from benches import accuracy, budget, clustering, injected_recordings, throughput
+from benches import accuracy, budget, clustering, injected_recordings, throughput, triggers
 
 TOPICS: dict[str, ModuleType] = {
     "throughput": throughput,
     "clustering": clustering,
     "accuracy": accuracy,
+    "triggers": triggers,
     "budget": budget,
     "recordings": injected_recordings,
 }
