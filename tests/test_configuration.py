@@ -126,6 +126,24 @@ def test_paths_are_seen_from_the_file(tmp_path: Path) -> None:
     assert configuration.source.url == str(tmp_path / "machine" / "log.csv")
 
 
+@pytest.mark.parametrize(
+    ("written_url", "seen"),
+    [
+        ("sqlite:///plant.db?timeout=5", "sqlite:///{directory}/plant.db?timeout=5"),
+        ("sqlite:////srv/plant.db", "sqlite:////srv/plant.db"),
+        ("sqlite:///:memory:", "sqlite:///:memory:"),
+        ("sqlite://", "sqlite://"),
+        ("postgresql:///plant", "postgresql:///plant"),
+    ],
+)
+def test_databases_are_seen_from_the_file(tmp_path: Path, written_url: str, seen: str) -> None:
+    path = written(tmp_path, f"[log]\nsql = '{written_url}'\ntable = 'events'\n")
+    log = load_configuration(path).log
+    assert log.sql == seen.format(directory=tmp_path)
+    assert log.table == "events"
+    assert log.to_json() == "{}"
+
+
 def test_every_option_of_the_machine_has_its_key() -> None:
     keys = {
         field.name

@@ -64,7 +64,7 @@ def test_the_command_line_starts_without_heavy_libraries() -> None:
         "with contextlib.redirect_stdout(io.StringIO()): assert main(['--help']) == 0"
     )
     assert "runglight.cli.application" in loaded  # The scan has scanned something.
-    heavy = {"numpy", "pyarrow", "polars", "pandas", "sqlite3", "runglight.plants"}
+    heavy = {"numpy", "pyarrow", "polars", "pandas", "sqlite3", "sqlalchemy", "runglight.plants"}
     assert not loaded & heavy
 
 

@@ -157,10 +157,20 @@ def load_configuration(path: Path | None = None) -> Configuration:
     ):
         if (value := getattr(owner, key)) is not None:
             setattr(owner, key, str(path.parent / value))
+    if configuration.log.sql is not None:
+        configuration.log.sql = _seen_from(path.parent, configuration.log.sql)
     url = configuration.source.url
     if url is not None and "://" not in url and not url.startswith("replay:"):
         configuration.source.url = str(path.parent / url)
     return configuration
+
+
+def _seen_from(directory: Path, sql: str) -> str:
+    scheme, separator, file = sql.partition(":///")
+    memory_or_uri = not file or file.startswith((":memory:", "file:"))
+    if not separator or not scheme.startswith("sqlite") or memory_or_uri:
+        return sql
+    return f"{scheme}:///{directory / file}"
 
 
 def _converted(tables: dict[str, Any], path: Path) -> Configuration:

@@ -19,7 +19,7 @@ Refused = Callable[..., str]
     ("arguments", "sentence"),
     [
         (["lern"], 'Unknown command "lern". Did you mean "learn"?'),
-        (["learn"], "LOG"),
+        (["learn", "-o", "m"], "what shall be learned from? name a log"),
         (["learn", "a.csv"], "--output"),
         (["learn", "a.csv", "-o", "m", "--timing", "exact"], '"plat"'),
         (["learn", "a.csv", "-o", "m", "--bogus"], "--bogus"),

@@ -5,6 +5,8 @@ import pytest
 from tests.conftest import Command
 
 READER = (
+    "--sql",
+    "--table",
     "--time-column",
     "--signal-column",
     "--value-column",

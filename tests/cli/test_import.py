@@ -1,5 +1,7 @@
 """`runglight import` and `runglight export`."""
 
+import sqlite3
+from collections.abc import Callable
 from pathlib import Path
 
 import pytest
@@ -72,3 +74,77 @@ def test_analog_columns_are_banded(runglight: Command, tmp_path: Path) -> None:
         if "LEVEL" in line
     ]
     assert levels == ["0", "1", "2"]
+
+
+@pytest.fixture
+def database(cell: Path, tmp_path: Path) -> list[str]:
+    """The options that name a table with the rows of `nominal.csv`."""
+    pytest.importorskip("sqlalchemy")
+    lines = (cell / "nominal.csv").read_text(encoding="utf-8").splitlines()
+    connection = sqlite3.connect(tmp_path / "plant.db")
+    with connection:
+        connection.execute("CREATE TABLE cell (id INTEGER PRIMARY KEY, Timestamp, Tag, Value)")
+        connection.executemany(
+            "INSERT INTO cell (Timestamp, Tag, Value) VALUES (?, ?, ?)",
+            [line.split(",") for line in lines[1:]],
+        )
+    connection.close()
+    return ["--sql", "sqlite:///plant.db", "--table", "cell"]
+
+
+@pytest.mark.parametrize("command", ["import", "export"])
+def test_a_table_of_a_database(
+    runglight: Command, cell: Path, tmp_path: Path, database: list[str], command: str
+) -> None:
+    read = runglight(command, *database, "--to", "out.csv")
+    assert read.returncode == 0, read.stderr
+    assert (tmp_path / "out.csv").read_bytes() == (cell / "nominal.csv").read_bytes()
+
+
+def test_every_command_that_takes_a_log_takes_a_table(
+    runglight: Command, cell: Path, tmp_path: Path, database: list[str]
+) -> None:
+    symbols = ["--symbols", cell / "symbols.csv"]
+    learned = runglight("learn", *database, *symbols, "-o", "cell.model")
+    assert learned.returncode == 0, learned.stderr
+    runglight("learn", cell / "nominal.csv", *symbols, "-o", "file.model")
+    for model in ("cell.model", "file.model"):
+        runglight("show", model, "--format", "csv", "-o", f"{model}.csv")
+    rules = (tmp_path / "cell.model.csv").read_bytes()
+    assert rules.count(b"\n") > 50
+    assert rules == (tmp_path / "file.model.csv").read_bytes()
+    watched = runglight("watch", "cell.model", *database)
+    assert watched.stdout.startswith("No findings"), watched.stderr
+    injected = runglight("simulate", "faults", *database, "--faults", "1", "--to", "faulty.csv")
+    assert injected.returncode == 0, injected.stderr
+
+
+def test_a_table_in_the_configuration(
+    runglight: Command, cell: Path, tmp_path: Path, database: list[str]
+) -> None:
+    (tmp_path / "plant").mkdir()
+    (tmp_path / "plant.db").rename(tmp_path / "plant" / "cell.db")
+    (tmp_path / "plant" / "machine.toml").write_text(
+        "[log]\nsql = 'sqlite:///cell.db'\ntable = 'cell'\n", encoding="utf-8"
+    )
+    read = runglight("import", "-c", "plant/machine.toml", "--to", "out.csv")
+    assert read.returncode == 0, read.stderr
+    # A log that is named comes before the table of the file.
+    named = runglight("import", cell / "faulty.csv", "-c", "plant/machine.toml", "--to", "f.csv")
+    assert named.returncode == 0, named.stderr
+    assert (tmp_path / "f.csv").read_bytes() == (cell / "faulty.csv").read_bytes()
+    watched = runglight("watch", cell / "cell.model", "-c", "plant/machine.toml")
+    assert watched.stdout.startswith("No findings"), watched.stderr
+
+
+@pytest.mark.parametrize(
+    ("arguments", "sentence"),
+    [
+        ([], "what shall be read? name a log, or a table with --sql URL --table T"),
+        (["--table", "cell"], "--table: say with --sql in which database it is"),
+        (["log.csv", "--table", "cell"], "log.csv: leave it out where --sql and --table say"),
+        (["log.csv", "--sql", "sqlite:///plant.db"], "log.csv: leave it out"),
+    ],
+)
+def test_a_log_or_a_table(refused: Callable[..., str], arguments: list[str], sentence: str) -> None:
+    assert sentence in refused("import", *arguments, "--to", "out.csv")

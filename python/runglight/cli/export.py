@@ -8,7 +8,7 @@ from runglight.cli.import_log import convert_log
 from runglight.cli.reader_options import ReaderOptions
 
 
-def export(log: str, /, *, to: Path, options: ReaderOptions | None = None) -> int:
+def export(log: str | None = None, /, *, to: Path, options: ReaderOptions | None = None) -> int:
     """Write a log for another tool.
 
     CSV and Parquet for tables, XES for process mining, VCD for waveform viewers (GTKWave,
@@ -17,7 +17,7 @@ def export(log: str, /, *, to: Path, options: ReaderOptions | None = None) -> in
     Parameters
     ----------
     log: str
-        The log to read.
+        The log to read; none where `--sql` says what to read.
     to: Path
         The file to write: `.csv`, `.parquet`, `.xes` or `.vcd`.
 

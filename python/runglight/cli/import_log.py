@@ -12,16 +12,19 @@ from runglight.log.changelog import FORMATS
 from runglight.log.symbols import names_by_address, read_symbols, renamed
 
 
-def import_log(source: str, /, *, to: Path, options: ReaderOptions | None = None) -> int:
+def import_log(
+    source: str | None = None, /, *, to: Path, options: ReaderOptions | None = None
+) -> int:
     """Turn any log into a change log.
 
-    Reads long or wide CSV, Parquet, XES or VCD, finds out which column is what, and writes one
-    row per change. What could not be read is said, never left out in silence.
+    Reads long or wide CSV, Parquet, XES, VCD, or a table of a database (`--sql`), finds out which
+    column is what, and writes one row per change. What could not be read is said, never left out
+    in silence.
 
     Parameters
     ----------
     source: str
-        The log to read.
+        The log to read; none where `--sql` says what to read.
     to: Path
         The file to write: `.csv`, `.parquet`, `.xes` or `.vcd`.
 
@@ -29,13 +32,16 @@ def import_log(source: str, /, *, to: Path, options: ReaderOptions | None = None
     return convert_log(source, to, options or ReaderOptions())
 
 
-def convert_log(source: str, to: Path, options: ReaderOptions) -> int:
+def convert_log(source: str | None, to: Path, options: ReaderOptions) -> int:
     """Reads a log and writes it in the format of the target's ending."""
     if to.suffix.removeprefix(".").lower() not in FORMATS:
         endings = ", ".join(f".{known}" for known in FORMATS)
         raise InputError(f"{to}: cannot tell the format from the ending; use one of {endings}")
     configuration = options.configuration()
-    log = read(source, configuration.log)
+    [only] = options.sources(
+        [] if source is None else [source], configuration.log, "what shall be read?"
+    )
+    log = read(only, configuration.log)
     if configuration.symbols.table is not None:
         table = read_symbols(Path(configuration.symbols.table))
         log = renamed(log, names_by_address(table, configuration.symbols.naming))

@@ -78,7 +78,7 @@ class LearningOptions:
 
 
 def learn(
-    log: list[Path],
+    log: list[Path] | None = None,
     /,
     *,
     output: Annotated[Path, Parameter(name=["--output", "-o"])],
@@ -93,16 +93,19 @@ def learn(
     Parameters
     ----------
     log: list[Path]
-        Logs of fault-free operation: CSV, Parquet, XES or VCD.
+        Logs of fault-free operation: CSV, Parquet, XES or VCD; none where `--sql` says what to
+        read.
     output: Path
         Directory to write the model to; a model that is there is replaced.
 
     """
-    configuration = (options or ReaderOptions()).configuration()
+    options = options or ReaderOptions()
+    configuration = options.configuration()
+    sources = options.sources(log or [], configuration.log, "what shall be learned from?")
     parameters = parameters_of(configuration, learning or LearningOptions())
     table = configuration.symbols.table
     symbols_csv = None if table is None else read_symbols(Path(table))
-    logs = [read(path, configuration.log) for path in log]
+    logs = [read(path, configuration.log) for path in sources]
     with terminal.working("Learning"):
         model = learn_with(logs, symbols_csv, parameters)
         model.save(output)

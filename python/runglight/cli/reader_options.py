@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import TYPE_CHECKING, Annotated, Literal
 
 import msgspec
 from cyclopts import Parameter
@@ -16,6 +16,9 @@ from runglight.log.changelog import Log, read_log_with
 from runglight.log.options import ReadOptions
 from runglight.quantities import duration_s
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
 LIVE_SCHEMES = ("modbus", "s7", "opcua", "mqtt", "sparkplug", "replay")
 
 
@@ -24,6 +27,10 @@ LIVE_SCHEMES = ("modbus", "s7", "opcua", "mqtt", "sparkplug", "replay")
 class ReaderOptions:
     """How logs are read. Everything is found out from the file where it is not said here."""
 
+    sql: str | None = None
+    "Database to read from instead of a file: `postgresql://user@host/database`."
+    table: str | None = None
+    "Table or view of the database."
     time_column: str | None = None
     "Column that holds the time."
     signal_column: tuple[str, ...] = ()
@@ -65,8 +72,24 @@ class ReaderOptions:
             configuration.symbols.table = str(self.symbols)
         return configuration
 
+    def sources(
+        self, named: Sequence[Path | str], file: ReadOptions, question: str
+    ) -> list[Path | str | None]:
+        """The logs to read: those named, else the table (as None); asks `question` for neither."""
+        if named and (self.sql is not None or self.table is not None):
+            raise InputError(f"{named[0]}: leave it out where --sql and --table say what to read")
+        if named:
+            return list(named)
+        if file.sql is not None:
+            return [None]
+        if file.table is not None:
+            raise InputError("--table: say with --sql in which database it is")
+        raise InputError(f"{question} name a log, or a table with --sql URL --table T")
+
     def _log(self, file: ReadOptions) -> ReadOptions:
         said = {
+            "sql": self.sql,
+            "table": self.table,
             "time_column": self.time_column,
             "signal_columns": _listed(self.signal_column) or None,
             "value_column": self.value_column,
@@ -82,12 +105,13 @@ class ReaderOptions:
         return msgspec.structs.replace(file, **changes)
 
 
-def read(path: Path | str, options: ReadOptions) -> Log:
-    """Reads a log and tells the user what was left out."""
-    refuse_live(str(path))
-    with terminal.working(f"Reading {path}"):
+def read(path: Path | str | None, options: ReadOptions) -> Log:
+    """Reads a log (None: the table the options name) and tells the user what was left out."""
+    if path is not None:
+        refuse_live(str(path))
+    with terminal.working(f"Reading {options.table if path is None else path}"):
         log = read_log_with(path, options)
-    for sentence in log.report.sentences(str(path)):
+    for sentence in log.report.sentences(str(log.path)):
         terminal.note(sentence)
     return log
 

@@ -112,7 +112,7 @@ class InjectionOptions:
 
 
 def simulate_faults(
-    log: Path,
+    log: Path | None = None,
     /,
     *,
     to: Path,
@@ -130,7 +130,7 @@ def simulate_faults(
     Parameters
     ----------
     log: Path
-        Log of fault-free operation.
+        Log of fault-free operation; none where `--sql` says what to read.
     to: Path
         The faulty log to write: `.csv`, `.parquet`, `.xes` or `.vcd`.
     labels: Path
@@ -152,9 +152,13 @@ def simulate_faults(
     from runglight.injection.labels import labels_json  # noqa: PLC0415
     from runglight.model import learn_with  # noqa: PLC0415
 
-    configuration = (options or ReaderOptions()).configuration()
+    options = options or ReaderOptions()
+    configuration = options.configuration()
+    sources = options.sources(
+        [] if log is None else [log], configuration.log, "into what shall faults be put?"
+    )
     table = configuration.symbols.table
-    logs = [read(path, configuration.log) for path in (log, *reference)]
+    logs = [read(path, configuration.log) for path in (*sources, *reference)]
     with terminal.working("Injecting"):
         model = learn_with(
             logs,
@@ -167,7 +171,7 @@ def simulate_faults(
         terminal.note(sentence)
     if logs[0].gaps:
         terminal.note(
-            f"{to}: the {counted(len(logs[0].gaps), 'gap')} of {log} are not marked in it"
+            f"{to}: the {counted(len(logs[0].gaps), 'gap')} of {logs[0].path} are not marked in it"
         )
     rows = injected.log.write(to)
     console = terminal.results()

@@ -16,7 +16,6 @@ from runglight.cli.exit_codes import DONE, FINDINGS
 from runglight.cli.finding_table import print_findings, summary_line
 from runglight.cli.output import output as output_to
 from runglight.cli.reader_options import ReaderOptions, read, refuse_live
-from runglight.errors import InputError
 from runglight.findings import flat
 from runglight.findings.finding import Finding, decode_finding
 from runglight.findings.store import FindingStore
@@ -53,7 +52,7 @@ def watch(
     model: Path
         Model directory written by `runglight learn`.
     source: str
-        The log to watch (default: `[source] url` of the configuration).
+        The log to watch (default: what `--sql` names, else `[source] url` of the configuration).
     format: str
         `table` for people (default), `jsonl` for programs, `csv` for spreadsheets.
     output: Path
@@ -77,14 +76,15 @@ def watch(
         notices=notices,
         state=state,
     )
-    source = source or configuration.source.url
-    if source is None:
-        raise InputError(
-            f"what shall be watched? runglight watch {model} LOG, or [source] url in runglight.toml"
-        )
-    refuse_live(source)
+    if source is None and options.sql is None and options.table is None:
+        source = configuration.source.url
+    [only] = options.sources(
+        [] if source is None else [source], configuration.log, "what shall be watched?"
+    )
+    if source is not None:
+        refuse_live(source)
     nominal = load_model(model)
-    log = _named(read(source, configuration.log), nominal, configuration)
+    log = _named(read(only, configuration.log), nominal, configuration)
 
     started = time.perf_counter()
     told = _Telling(settings)

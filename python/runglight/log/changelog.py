@@ -31,8 +31,14 @@ class Log:
     `polars.DataFrame(log)`.
     """
 
-    def __init__(self, engine_log: _engine.ChangeLog, path: str | None = None) -> None:
+    def __init__(
+        self,
+        engine_log: _engine.ChangeLog,
+        path: str | None = None,
+        report: ReadReport | None = None,
+    ) -> None:
         self._engine = engine_log
+        self._report = report
         self.path = path
 
     @classmethod
@@ -103,7 +109,7 @@ class Log:
     @property
     def report(self) -> ReadReport:
         """What reading did, and what it left out."""
-        return msgspec.json.decode(self._engine.report_json, type=ReadReport)
+        return self._report or msgspec.json.decode(self._engine.report_json, type=ReadReport)
 
     def columns(self) -> tuple[Any, Any, Any]:
         """`(time_ns, signal_index, value)` as numpy arrays."""
@@ -111,11 +117,11 @@ class Log:
 
     def slice(self, offset: int, length: int | None = None) -> Log:
         """Some of the rows, without a copy of their names."""
-        return Log(self._engine.slice(offset, length), self.path)
+        return Log(self._engine.slice(offset, length), self.path, self._report)
 
     def renamed(self, signals: Sequence[str]) -> Log:
         """The same rows with other names of the signals, in the order of their indices."""
-        return Log(self._engine.with_signals(list(signals)), self.path)
+        return Log(self._engine.with_signals(list(signals)), self.path, self._report)
 
     def write(self, path: str | PathLike[str], format: str | None = None) -> int:
         """Writes the log as CSV, Parquet, XES or VCD (by the ending); returns rows written.
@@ -132,15 +138,35 @@ class Log:
         return _engine.write_log(self._engine, os.fspath(target), chosen)
 
 
-def read_log(path: str | PathLike[str], **options: Any) -> Log:
-    """Reads CSV, Parquet, XES or VCD. `options` are the fields of `runglight.ReadOptions`."""
-    return read_log_with(path, convert(options, ReadOptions, "read_log"))
+def read_log(path: str | PathLike[str] | None = None, **options: Any) -> Log:
+    """Reads CSV, Parquet, XES, VCD, or, without a path, the table that `sql` and `table` name.
+
+    `options` are the fields of `runglight.ReadOptions`.
+    """
+    checked = convert(options, ReadOptions, "read_log")
+    if (path is None) == (checked.sql is None):
+        raise InputError("read_log: give either the path of a file, or sql and table")
+    return read_log_with(path, checked)
 
 
-def read_log_with(path: str | PathLike[str], options: ReadOptions) -> Log:
-    """Reads a log with options that are already checked."""
+def read_log_with(path: str | PathLike[str] | None, options: ReadOptions) -> Log:
+    """Reads a log with options that are already checked; None stands for the table they name."""
+    if path is None:
+        return _read_table(options)
     text = os.fspath(path)
     return Log(_engine.read_log(text, options.to_json()), text)
+
+
+def _read_table(options: ReadOptions) -> Log:
+    try:
+        from runglight.log.database import read_table  # noqa: PLC0415
+    except ModuleNotFoundError as missing:
+        if missing.name != "sqlalchemy":
+            raise
+        raise InputError(
+            'reading from a database needs SQLAlchemy: pip install "runglight[sql]"'
+        ) from None
+    return read_table(options)
 
 
 def _datetime(time_ns: int | None) -> datetime | None:

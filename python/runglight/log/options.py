@@ -10,6 +10,10 @@ Seconds = Annotated[float, msgspec.Meta(ge=0)]
 class ReadOptions(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True):
     """Reader options: keys of `[log]` in `runglight.toml`, arguments of `runglight.read_log`."""
 
+    sql: str | None = None
+    """Database to read from, as a URL: `postgresql://user@host/database`, `sqlite:///plant.db`."""
+    table: str | None = None
+    """Table or view of the database, with its schema where it needs one: `plant.events`."""
     format: Literal["csv", "parquet", "xes", "vcd"] | None = None
     """File format, where content and ending do not tell."""
     time_column: str | None = None
@@ -36,6 +40,9 @@ class ReadOptions(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True
     def to_json(self) -> str:
         """The options as the engine takes them; what is left at its default is left out."""
         written: dict[str, Any] = msgspec.to_builtins(self)
+        # Files are all the engine reads; `log.database` makes one of a table.
+        written.pop("sql", None)
+        written.pop("table", None)
         if self.analog:
             written["analog"] = [
                 (column, threshold)

@@ -36,6 +36,10 @@ impl Trigger {
 const INSTANCES_AT_LEAST: usize = 8;
 /// Instances that vote; one bit each.
 const VOTERS: usize = 32;
+/// A first screening by so few voters spares most transitions the full vote: some state must be
+/// met by so many of them at a steady distance.
+const SCREENERS: usize = 8;
+const SCREENED: u32 = 3;
 /// Events of the group a voter looks back over.
 const LOOK_BACK: usize = 48;
 /// A trigger must explain this share of the voters.
@@ -178,8 +182,13 @@ impl<'a> Search<'a> {
             return None;
         }
         let steady = (own_spread / 8.0).clamp(tight, STEADY_AT_MOST_S.max(tight));
-        let candidates = self.vote(instances, own_s, (current, next), steady);
+        let first = self.vote(instances, own_s, (current, next), steady, SCREENERS);
+        let promising = |c: &Candidate| c.state != current && c.mask.count_ones() >= SCREENED;
+        if !first.iter().any(promising) {
+            return None;
+        }
         let voters = instances.len().min(VOTERS);
+        let candidates = self.vote(instances, own_s, (current, next), steady, voters);
         let finalists = finalists(&candidates, voters, steady);
         finalists
             .into_iter()
@@ -209,8 +218,8 @@ impl<'a> Search<'a> {
         own_s: &[f64],
         (current, next): (StateId, StateId),
         steady: f64,
+        voters: usize,
     ) -> Vec<Candidate> {
-        let voters = instances.len().min(VOTERS);
         self.meetings.clear();
         for voter in 0..voters {
             let instance = voter * instances.len() / voters;

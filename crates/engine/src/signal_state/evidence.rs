@@ -30,8 +30,42 @@ impl Tally {
 #[derive(Debug, Clone, Default)]
 pub struct Evidence {
     transition_by_chain: Vec<f64>,
-    time_by_chain: Vec<f64>,
-    shares: Shares,
+    /// By character.
+    time_by_chain: [Vec<f64>; 2],
+    shares: [Shares; 2],
+    resolution_s: f64,
+}
+
+/// What a transition's time is made of. The rare times of one say nothing about the other.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+enum Character {
+    /// The machine moves: one time, or a few, each tight.
+    Motion,
+    /// The device waits for something, known or not.
+    Wait,
+}
+
+/// Motions take up to this many times (part types, speeds).
+const MOTION_TIMES: usize = 3;
+/// A motion's time spreads over no more than this share of it, or this many resolutions.
+const MOTION_SPREAD: f64 = 0.05;
+const MOTION_RESOLUTIONS: f64 = 10.0;
+
+impl Character {
+    const BOTH: [Self; 2] = [Self::Motion, Self::Wait];
+
+    fn of(rule: &Rule, resolution_s: f64) -> Self {
+        let usual = || rule.judged().iter().filter(|c| c.instances >= BODY_INSTANCES);
+        let tight = usual().all(|cluster| {
+            let spread = cluster.maximum_s - cluster.minimum_s;
+            spread <= (MOTION_SPREAD * cluster.average_s).max(MOTION_RESOLUTIONS * resolution_s)
+        });
+        if rule.trigger.is_none() && tight && usual().count() <= MOTION_TIMES {
+            Self::Motion
+        } else {
+            Self::Wait
+        }
+    }
 }
 
 /// Shares of the time clusters of all rules that have several: what a rule seen only a few times
@@ -45,9 +79,9 @@ struct Shares {
 }
 
 impl Shares {
-    fn of(rules: &[Rule]) -> Self {
+    fn of<'a>(rules: impl Iterator<Item = &'a Rule>) -> Self {
         let mut shares = Self { clusters: vec![0; 101], rules: 0 };
-        for rule in rules.iter().filter(|rule| rule.evidence() >= BODY_INSTANCES) {
+        for rule in rules.filter(|rule| rule.evidence() >= BODY_INSTANCES) {
             shares.rules += 1;
             let clusters = rule.judged();
             let usual = clusters.iter().filter(|c| c.instances >= BODY_INSTANCES);
@@ -74,22 +108,30 @@ impl Shares {
 const PRIOR_ONCE: f64 = 0.5;
 
 impl Evidence {
-    /// Tallies the rules of a model.
-    pub fn of(rules: &[Rule], chains: &Chains) -> Self {
+    /// Tallies the rules of a model; `resolution_s` is the smallest time difference that means
+    /// something.
+    pub fn of(rules: &[Rule], chains: &Chains, resolution_s: f64) -> Self {
         let mut transitions = vec![Tally::default(); chains.len()];
-        let mut times = vec![Tally::default(); chains.len()];
+        let mut times = [transitions.clone(), transitions.clone()];
         for rule in rules {
             let transition = &mut transitions[rule.chain];
             transition.draws += rule.evidence() as f64;
             transition.once += f64::from(rule.evidence() == 1);
-            let time = &mut times[rule.chain];
-            time.draws += rule.evidence() as f64;
-            time.once += rare_instances(rule) as f64;
+            // A transition hardly ever seen has no usual time from which another would be odd.
+            if rule.evidence() >= BODY_INSTANCES {
+                let time = &mut times[Character::of(rule, resolution_s) as usize][rule.chain];
+                time.draws += rule.evidence() as f64;
+                time.once += rare_instances(rule) as f64;
+            }
         }
+        let of = |character| {
+            rules.iter().filter(move |rule| Character::of(rule, resolution_s) == character)
+        };
         Self {
             transition_by_chain: shrink(&transitions, chains),
-            time_by_chain: shrink(&times, chains),
-            shares: Shares::of(rules),
+            time_by_chain: times.map(|times| shrink(&times, chains)),
+            shares: Character::BOTH.map(|character| Shares::of(of(character))),
+            resolution_s,
         }
     }
 
@@ -110,6 +152,12 @@ impl Evidence {
         tally.unseen(self.transition_by_chain[chain])
     }
 
+    /// True where a transition waits for something nobody knows, so that another device's delay
+    /// may be its own.
+    pub fn is_open_wait(&self, rule: &Rule) -> bool {
+        rule.trigger.is_none() && Character::of(rule, self.resolution_s) == Character::Wait
+    }
+
     /// Probability that a transition of a healthy machine takes `time_s`, which lies outside all
     /// that is usual for it. Longer than anything seen is rarer still, falling with the ratio.
     pub fn odd_time(&self, rule: &Rule, time_s: f64) -> f64 {
@@ -117,16 +165,14 @@ impl Evidence {
         let longest = rule.judged().iter().map(|c| c.maximum_s).fold(0.0, f64::max);
         let beyond =
             if time_s > longest && time_s > 0.0 { longest.max(1e-3) / time_s } else { 1.0 };
-        let odd = tally.unseen(self.time_by_chain[rule.chain]) * beyond.min(1.0);
-        odd.max(self.shares.unseen(rule.evidence()))
+        let character = Character::of(rule, self.resolution_s) as usize;
+        let odd = tally.unseen(self.time_by_chain[character][rule.chain]) * beyond.min(1.0);
+        odd.max(self.shares[character].unseen(rule.evidence()))
     }
 }
 
 /// Instances in clusters too small to be a usual time.
 fn rare_instances(rule: &Rule) -> u64 {
-    if rule.evidence() < BODY_INSTANCES {
-        return rule.evidence().min(1);
-    }
     let rare = rule.judged().iter().filter(|c| c.instances < BODY_INSTANCES);
     rare.map(|c| c.instances).sum::<u64>().saturating_sub(rule.uncounted)
 }

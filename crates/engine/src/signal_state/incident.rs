@@ -35,6 +35,9 @@ pub struct Occurrence<'a> {
     pub chain: ChainIndex,
     /// Device or group.
     pub chain_kind: ChainKind,
+    /// True where another device's delay may be the reason: the device waited, and not for an
+    /// event that is known.
+    pub inherits: bool,
     /// Since when its device had been waiting.
     pub waiting_since: Nanoseconds,
     /// When it was found.
@@ -85,7 +88,7 @@ impl Incident {
             return false;
         }
         let echoed = self.cause_is_device && occurrence.chain_kind == ChainKind::Group;
-        let inherited = is_delay(occurrence.kind)
+        let inherited = occurrence.inherits
             && occurrence.waiting_since <= self.last
             && occurrence.time >= self.began;
         echoed || inherited

@@ -70,10 +70,10 @@ impl NominalModel {
     ) -> Self {
         let chains = Chains::of(&plant);
         let table = RuleTable::build(&mut rules, &chains, states.len());
-        let evidence = Evidence::of(&rules, &chains);
+        let resolution_s = learned.resolution as f64 / SECOND as f64;
+        let evidence = Evidence::of(&rules, &chains, resolution_s);
         let budget = Budget::of(&parameters, &learned, &rules, &chains);
         let tail = Tail::new(budget.per_time);
-        let resolution_s = learned.resolution as f64 / SECOND as f64;
         let accepted = rules
             .iter()
             .map(|rule| match parameters.timing {

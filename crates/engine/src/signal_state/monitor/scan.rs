@@ -1,0 +1,239 @@
+//! From rows to steps: a scan is complete, its events have no order, each chain takes its own.
+
+use crate::log::{Nanoseconds, SignalIndex};
+use crate::signal_state::chains::{ChainIndex, ChainKind};
+use crate::signal_state::events::{Meaning, Row, is_image};
+use crate::signal_state::rules::row_of;
+use crate::signal_state::states::{NO_STATE, StateId};
+
+use super::{Entry, FURTHER_STATES_AT_MOST, Monitor, NEVER, NOWHERE, REORDER_AT_MOST};
+
+impl Monitor {
+    /// True where a row is a scan of its own and nothing else is due before it.
+    #[inline]
+    pub(super) fn stands_alone(&self, row: Row, next: Row) -> bool {
+        let age = next.time.saturating_sub(row.time);
+        self.watch.pending.is_empty()
+            && age > 0
+            && age >= self.model.learned.scan_window
+            && row.time < self.watch.next_deadline
+            && self.watch.started
+            && !self.watch.resynchronise
+            && (row.signal as usize) < self.model.plant.signals.len()
+    }
+
+    /// What [`Self::take`] comes to for a row that stands alone.
+    #[inline]
+    pub(super) fn take_alone(&mut self, row: Row) {
+        self.watch.now = row.time;
+        match self.watch.values.take(row.signal, row.value) {
+            Meaning::Event => self.step_event(row),
+            Meaning::Doubtful => self.lose_sight(row.signal),
+            Meaning::Sample => {}
+        }
+    }
+
+    pub(super) fn take(&mut self, row: Row) {
+        if self.scan_is_over(row.time) {
+            self.complete_scan();
+        }
+        if row.time > self.watch.now {
+            self.watch.now = row.time;
+        }
+        if row.time >= self.watch.next_deadline {
+            // Whatever is due before this row is older than it, so the running scan is over too.
+            self.complete_scan();
+            self.pass_deadlines(row.time);
+        }
+        self.watch.pending.push(row);
+    }
+
+    pub(super) fn scan_is_over(&self, time: Nanoseconds) -> bool {
+        let window = self.model.learned.scan_window;
+        self.watch.pending.first().is_some_and(|first| {
+            let age = time.saturating_sub(first.time);
+            age > 0 && age >= window
+        })
+    }
+
+    /// Processes the rows of the running scan.
+    pub(super) fn complete_scan(&mut self) {
+        let mut rows = std::mem::take(&mut self.watch.pending);
+        let Some(first) = rows.first().copied() else {
+            return;
+        };
+        if !self.watch.started {
+            self.watch.started = true;
+            let of_first_time = rows.iter().take_while(|row| row.time == first.time);
+            self.watch.resynchronise = is_image(of_first_time.map(|row| row.value));
+        }
+        let resynchronise_until = self.watch.resynchronise.then_some(first.time);
+        self.watch.resynchronise = false;
+        let known = self.model.plant.signals.len() as SignalIndex;
+        let mut events = 0;
+        for index in 0..rows.len() {
+            let row = rows[index];
+            if row.signal >= known {
+                self.report_unknown_signal(row);
+                continue;
+            }
+            match self.watch.values.take(row.signal, row.value) {
+                Meaning::Event if resynchronise_until != Some(row.time) => {
+                    rows[events] = row;
+                    events += 1;
+                }
+                Meaning::Doubtful => self.lose_sight(row.signal),
+                Meaning::Event | Meaning::Sample => {}
+            }
+        }
+        rows.truncate(events);
+        if let Some(order) = &self.order {
+            order.sort(&mut rows);
+        }
+        match rows.as_slice() {
+            [] => {}
+            [only] => self.step_event(*only),
+            _ => self.step_scan(&rows),
+        }
+        rows.clear();
+        self.watch.pending = rows;
+    }
+
+    /// The state of a signal's device is in doubt: what follows has no predecessor.
+    pub(super) fn lose_sight(&mut self, signal: SignalIndex) {
+        let device = self.model.chains.device_chain(signal);
+        for chain in [Some(device), self.model.chains.group_chain(signal)].into_iter().flatten() {
+            self.watch.here[chain] = NOWHERE;
+        }
+    }
+
+    pub(super) fn step_event(&mut self, row: Row) {
+        let entry = self.enter(row);
+        let group = self.model.chains.group_chain(row.signal);
+        self.step(self.model.chains.device_chain(row.signal), ChainKind::Device, entry);
+        if let Some(chain) = group {
+            self.step(chain, ChainKind::Group, entry);
+        }
+    }
+
+    /// Several events of one scan: each chain may take its own in whichever order it knows.
+    pub(super) fn step_scan(&mut self, rows: &[Row]) {
+        let mut by_chain = std::mem::take(&mut self.scratch);
+        by_chain.clear();
+        let entries: Vec<Entry> = rows.iter().map(|row| self.enter(*row)).collect();
+        for (index, row) in (0..).zip(rows) {
+            by_chain.push((self.model.chains.device_chain(row.signal), index));
+            by_chain.extend(self.model.chains.group_chain(row.signal).map(|chain| (chain, index)));
+        }
+        by_chain.sort_by_key(|(chain, _)| *chain);
+        for run in by_chain.chunk_by(|a, b| a.0 == b.0) {
+            let chain = run[0].0;
+            let kind = self.model.chains.kind(chain);
+            if let [(_, only)] = run {
+                self.step(chain, kind, entries[*only as usize]);
+                continue;
+            }
+            let mut events: Vec<Entry> =
+                run.iter().map(|&(_, index)| entries[index as usize]).collect();
+            if self.order.is_some() {
+                self.reorder(chain, kind, &mut events);
+            }
+            for event in events {
+                self.step(chain, kind, event);
+            }
+        }
+        self.scratch = by_chain;
+    }
+
+    /// Puts the events of one scan into an order the chain knows, if there is one.
+    pub(super) fn reorder(&self, chain: ChainIndex, kind: ChainKind, events: &mut [Entry]) {
+        if events.len() < 2 || events.len() > REORDER_AT_MOST || self.knows(chain, kind, events) {
+            return;
+        }
+        let mut order: Vec<usize> = Vec::with_capacity(events.len());
+        if self.find_order(self.watch.here[chain].state, kind, events, &mut order) {
+            let found: Vec<_> = order.iter().map(|&index| events[index]).collect();
+            events.copy_from_slice(&found);
+        }
+    }
+
+    pub(super) fn knows(&self, chain: ChainIndex, kind: ChainKind, events: &[Entry]) -> bool {
+        let mut state = self.watch.here[chain].state;
+        events.iter().all(|event| {
+            let known = state == NO_STATE
+                || self.model.table.find(row_of(state, kind), event.state).is_some();
+            state = event.state;
+            known
+        })
+    }
+
+    /// Depth-first over the orders in which every transition is known; rows of one signal keep
+    /// their order.
+    pub(super) fn find_order(
+        &self,
+        state: StateId,
+        kind: ChainKind,
+        events: &[Entry],
+        order: &mut Vec<usize>,
+    ) -> bool {
+        if order.len() == events.len() {
+            return true;
+        }
+        for index in 0..events.len() {
+            let next = events[index].state;
+            let signal = self.signal_value(next).0;
+            let waits = (0..index).any(|earlier| {
+                !order.contains(&earlier) && self.signal_value(events[earlier].state).0 == signal
+            });
+            let known =
+                state == NO_STATE || self.model.table.find(row_of(state, kind), next).is_some();
+            if order.contains(&index) || waits || !known {
+                continue;
+            }
+            order.push(index);
+            if self.find_order(next, kind, events, order) {
+                return true;
+            }
+            order.pop();
+        }
+        false
+    }
+
+    pub(super) fn intern(&mut self, signal: SignalIndex, value: i64) -> StateId {
+        if let Some(state) = self.model.states.find(signal, value) {
+            return state;
+        }
+        let known = self.model.states.len();
+        let further = &mut self.watch.further;
+        let place = further.iter().position(|&f| f == (signal, value)).unwrap_or_else(|| {
+            if further.len() < FURTHER_STATES_AT_MOST {
+                further.push((signal, value));
+            }
+            further.len() - 1
+        });
+        (known + place) as StateId
+    }
+
+    /// Keeps when a state was entered, and when and where its group last moved.
+    #[inline]
+    pub(super) fn enter(&mut self, row: Row) -> Entry {
+        let state = self.intern(row.signal, row.value);
+        let before = if self.lanes.tracks(state) {
+            std::mem::replace(&mut self.watch.entered[state as usize], row.time)
+        } else {
+            NEVER
+        };
+        let chains = &self.model.chains;
+        let group = chains.group_of(chains.device_chain(row.signal));
+        self.watch.group_last[group] = row.time;
+        self.watch.group_last_state[group] = state;
+        let deadline = row.time.saturating_add(self.stall_after[group]);
+        if deadline < self.watch.next_deadline {
+            self.watch.next_deadline = deadline;
+        }
+        if self.watch.group_stalled[group].is_some() {
+            self.stall_returned(group, row.time);
+        }
+        Entry { state, time: row.time, before }
+    }
+}
