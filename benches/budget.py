@@ -19,6 +19,7 @@ BUDGETS = (0.1, 1.0, 10.0)
 CURVE = (0.01, 0.1, 1.0, 10.0, 100.0, 1000.0)
 LEARN_SHARE = 0.6
 FOLDS = 5
+ANSWERS = ("kept", "not refuted", "broken")
 CELL_CYCLES = 600
 TINY_EVENTS = 400_000
 PLAN = InjectionPlan(faults=150, late=150, early=50)

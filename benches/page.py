@@ -6,7 +6,7 @@ import sys
 from pathlib import Path
 from typing import Any
 
-from benches import accuracy, throughput
+from benches import accuracy, clustering, throughput
 from benches.page_text import HEAD, NOTES, findings_of
 from benches.picture import draw
 from benches.tables import Table, verdict
@@ -16,6 +16,8 @@ REFERENCE = Path(__file__).parents[1] / "docs" / "reference"
 NUMBERS = REFERENCE / "benchmarks.json"
 PAGE = REFERENCE / "benchmarks.md"
 PICTURE = REFERENCE / "operating-curve.svg"
+SCORED = ("throughput", "accuracy")
+"""Topics whose first table is what the page begins with."""
 
 
 def publish(results: dict[str, Any]) -> None:
@@ -38,7 +40,7 @@ def page(results: dict[str, Any]) -> str:
         said = findings_of(name, results[name])
         if said:
             text += "\n" + "".join(f"- {sentence}\n" for sentence in said)
-        for table in topic.tables(results[name]):
+        for table in topic.tables(results[name])[name in SCORED :]:
             text += f"\n### {table.title}\n\n{table.markdown()}"
         if name == "budget":
             text += (
@@ -48,28 +50,22 @@ def page(results: dict[str, Any]) -> str:
 
 
 def _scoreboard(results: dict[str, Any]) -> Table:
-    """One row per demand: the worst of all plants."""
-    rows: list[list[str]] = []
-    for figure in throughput.figures(results.get("throughput", {})):
-        sign = "<" if figure["unit"] == "MB" else "≥"
-        rows.append(
-            [
-                f"{figure['what']}, {figure['timing']}",
-                figure["plant"],
-                f"{figure['value']:.2f} {figure['unit']}",
-                f"{sign} {figure['floor']:g} {figure['unit']}",
-                verdict(figure["met"]),
-            ]
-        )
-    for figure in accuracy.figures(results.get("accuracy", {})):
-        rows.append(
-            [figure["what"], figure["plant"], figure["value"], figure["demand"],
-             verdict(figure["met"])]
-        )  # fmt: skip
-    # The same figure of all plants together, in the order of their first.
-    figures = list(dict.fromkeys(row[0] for row in rows))
-    together = sorted(rows, key=lambda row: figures.index(row[0]))
-    return Table("", ["figure", "plant", "measured", "demand", ""], together, left=2)
+    """One row per demand, one column per plant."""
+    plants = list(results.get("throughput") or results.get("accuracy") or {})
+    cells: dict[tuple[str, str], dict[str, str]] = {}
+    demanded = [
+        *throughput.demanded(results.get("throughput", {})),
+        *accuracy.figures(results.get("accuracy", {})),
+        *clustering.figures(results.get("clustering", {})),
+    ]
+    for figure in demanded:
+        row = figure["what"], figure["demand"]
+        value = f"{figure['value']} {verdict(figure['met'])}"
+        cells.setdefault(row, {})[figure["plant"]] = value
+    rows = [
+        [*row, *(of_plant.get(plant, "") for plant in plants)] for row, of_plant in cells.items()
+    ]
+    return Table("", ["figure", "demand", *plants], rows, left=2)
 
 
 def _machine(results: dict[str, Any]) -> Table:

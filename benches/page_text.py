@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import Any
 
+from benches import budget as budgets
 from benches.accuracy import PUBLISHED_LATE
 
 HEAD = """<!-- Written by benches/page.py from benchmarks.json; run `make bench`. -->
@@ -82,6 +83,7 @@ def findings_of(topic: str, results: dict[str, Any]) -> list[str]:
         "throughput": _of_throughput,
         "clustering": _of_clustering,
         "accuracy": _of_accuracy,
+        "budget": _of_budget,
     }
     return said[topic](results) if topic in said else []
 
@@ -99,15 +101,17 @@ def _of_throughput(results: dict[str, Any]) -> list[str]:
             "index": plant["probes"]["linear probing, index"],
             "device": plant["probes"]["linear probing, devices"],
         }
+        ratios = {
+            table: _probes(each, table) / _probes(double, table) for table, each in linear.items()
+        }
         more = " and ".join(
-            f"{100 * (_probes(found, table) / _probes(double, table) - 1):+.1f} % slots in the "
-            f"{table} table"
-            for table, found in linear.items()
+            f"{100 * (ratio - 1):+.1f} % in the {table} table" for table, ratio in ratios.items()
         )
         rates = linear["index"]["rates"], double["rates"]
         slower = sum(rates[0][build] < rates[1][build] for build in ("published", "o3"))
         sentences.append(
-            f"`{size}`: linear probing looks at {more} (paper: up to +19.3 %) and {costs[slower]}."
+            f"`{size}`: linear probing takes {more} of double hashing's probes (paper: up to "
+            f"+19.3 %); it {costs[slower]}."
         )
     return sentences
 
@@ -146,6 +150,21 @@ def _far(found: dict[str, Any], what: str = "") -> float:
     """Percentage of clusters that are far off."""
     part, whole = ("merged_far", "merged") if what else ("far", "clusters")
     return float(100 * found[part] / max(found[whole], 1))
+
+
+def _of_budget(results: dict[str, Any]) -> list[str]:
+    sentences = []
+    for budget in budgets.BUDGETS:
+        answers: dict[str, list[str]] = {}
+        for source, found in results["rates"].items():
+            answer = budgets.judged(found[str(budget)], budget).strip("*")
+            answers.setdefault(answer, []).append(source)
+        counted = ", ".join(f"{len(answers.get(each, []))} {each}" for each in budgets.ANSWERS)
+        broken = answers.get("broken", [])
+        sentences.append(
+            f"{budget:g} a day: {counted}" + (f" ({', '.join(broken)})." if broken else ".")
+        )
+    return sentences
 
 
 def _of_accuracy(results: dict[str, Any]) -> list[str]:
