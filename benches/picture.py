@@ -27,6 +27,7 @@ def draw(curves: dict[str, Any], path: Path) -> None:
     found.set_title("Injected faults found, %: by alarms (dotted: by anything)")
     false.set(xscale="log", xlabel="false alarms allowed a day")
     false.set_yscale("symlog", linthresh=0.01)
+    false.set_ylim(bottom=0)
     false.set_title("False alarms a day on the nominal part")
     for axes in (found, false):
         axes.grid(alpha=0.3)
