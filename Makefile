@@ -42,14 +42,19 @@ check: .venv/installed ## Lints, types and formatting
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 	$(BIN)/python docs/generate.py --check
+	$(BIN)/python -m benches.page --check
 	cargo fmt --all --check
 	cargo clippy --workspace --all-targets --release -- -D warnings
 
-bench: .venv/installed ## Speed
-	cargo bench --workspace
+bench: .venv/bench ## Speed, memory and accuracy beside the paper's; writes docs/reference/benchmarks.md
+	$(BIN)/python -m benches.run --publish
+
+.venv/bench: .venv/installed
+	$(BIN)/pip install -q -e ".[bench]"
+	touch $@
 
 docs: .venv/installed ## Write the generated pages of docs/reference
 	$(BIN)/python docs/generate.py
 
 clean: ## Remove what was built
-	rm -rf .venv target demo-out
+	rm -rf .venv target demo-out benches/c/build benches/plat_baseline/build benches/results

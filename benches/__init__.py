@@ -1,0 +1,1 @@
+"""Speed, memory and accuracy of runglight, measured; `python -m benches.run` runs everything."""
