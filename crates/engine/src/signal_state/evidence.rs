@@ -31,7 +31,8 @@ impl Tally {
 pub struct Evidence {
     transition_by_chain: Vec<f64>,
     /// By character.
-    time_by_chain: [Vec<f64>; 2],
+    time_by_chain: [Vec<f64>; 3],
+    /// Of what is explained, and of open waits.
     shares: [Shares; 2],
     resolution_s: f64,
 }
@@ -41,8 +42,10 @@ pub struct Evidence {
 enum Character {
     /// The machine moves: one time, or a few, each tight.
     Motion,
-    /// The device waits for something, known or not.
-    Wait,
+    /// The device waits for an event that is known.
+    KnownWait,
+    /// The device waits for something nobody knows.
+    OpenWait,
 }
 
 /// Motions take up to this many times (part types, speeds).
@@ -52,18 +55,18 @@ const MOTION_SPREAD: f64 = 0.05;
 const MOTION_RESOLUTIONS: f64 = 10.0;
 
 impl Character {
-    const BOTH: [Self; 2] = [Self::Motion, Self::Wait];
-
     fn of(rule: &Rule, resolution_s: f64) -> Self {
         let usual = || rule.judged().iter().filter(|c| c.instances >= BODY_INSTANCES);
         let tight = usual().all(|cluster| {
             let spread = cluster.maximum_s - cluster.minimum_s;
             spread <= (MOTION_SPREAD * cluster.average_s).max(MOTION_RESOLUTIONS * resolution_s)
         });
-        if rule.trigger.is_none() && tight && usual().count() <= MOTION_TIMES {
+        if rule.trigger.is_some() {
+            Self::KnownWait
+        } else if tight && usual().count() <= MOTION_TIMES {
             Self::Motion
         } else {
-            Self::Wait
+            Self::OpenWait
         }
     }
 }
@@ -112,7 +115,7 @@ impl Evidence {
     /// something.
     pub fn of(rules: &[Rule], chains: &Chains, resolution_s: f64) -> Self {
         let mut transitions = vec![Tally::default(); chains.len()];
-        let mut times = [transitions.clone(), transitions.clone()];
+        let mut times = [transitions.clone(), transitions.clone(), transitions.clone()];
         for rule in rules {
             let transition = &mut transitions[rule.chain];
             transition.draws += rule.evidence() as f64;
@@ -124,13 +127,14 @@ impl Evidence {
                 time.once += rare_instances(rule) as f64;
             }
         }
-        let of = |character| {
-            rules.iter().filter(move |rule| Character::of(rule, resolution_s) == character)
-        };
+        let open = |rule: &&Rule| Character::of(rule, resolution_s) == Character::OpenWait;
         Self {
             transition_by_chain: shrink(&transitions, chains),
             time_by_chain: times.map(|times| shrink(&times, chains)),
-            shares: Character::BOTH.map(|character| Shares::of(of(character))),
+            shares: [
+                Shares::of(rules.iter().filter(|rule| !open(rule))),
+                Shares::of(rules.iter().filter(open)),
+            ],
             resolution_s,
         }
     }
@@ -155,7 +159,7 @@ impl Evidence {
     /// True where a transition waits for something nobody knows, so that another device's delay
     /// may be its own.
     pub fn is_open_wait(&self, rule: &Rule) -> bool {
-        rule.trigger.is_none() && Character::of(rule, self.resolution_s) == Character::Wait
+        Character::of(rule, self.resolution_s) == Character::OpenWait
     }
 
     /// Probability that a transition of a healthy machine takes `time_s`, which lies outside all
@@ -165,9 +169,11 @@ impl Evidence {
         let longest = rule.judged().iter().map(|c| c.maximum_s).fold(0.0, f64::max);
         let beyond =
             if time_s > longest && time_s > 0.0 { longest.max(1e-3) / time_s } else { 1.0 };
-        let character = Character::of(rule, self.resolution_s) as usize;
-        let odd = tally.unseen(self.time_by_chain[character][rule.chain]) * beyond.min(1.0);
-        odd.max(self.shares[character].unseen(rule.evidence()))
+        let character = Character::of(rule, self.resolution_s);
+        let from_chain = self.time_by_chain[character as usize][rule.chain];
+        let odd = tally.unseen(from_chain) * beyond.min(1.0);
+        let shares = &self.shares[usize::from(character == Character::OpenWait)];
+        odd.max(shares.unseen(rule.evidence()))
     }
 }
 
