@@ -141,6 +141,33 @@ pub struct Finding {
 }
 
 impl Finding {
+    /// A notice of a kind, nothing else filled in.
+    pub(crate) fn new(kind: Kind, model: Model, time: Nanoseconds) -> Self {
+        Self {
+            id: String::new(),
+            incident: String::new(),
+            time,
+            kind,
+            severity: Severity::Notice,
+            state: State::Confirmed,
+            model,
+            group: None,
+            device: None,
+            signal: None,
+            address: None,
+            from: None,
+            to: None,
+            expected: Vec::new(),
+            observed_s: None,
+            limit_s: None,
+            rank: None,
+            suspects: Vec::new(),
+            path: Vec::new(),
+            snapshot_id: None,
+            message: String::new(),
+        }
+    }
+
     /// The finding as one line of JSON.
     pub fn to_json(&self) -> String {
         serde_json::to_string(self).unwrap_or_default()

@@ -178,14 +178,6 @@ impl Lanes {
         }
         true
     }
-
-    /// Bytes held, all tables together.
-    pub fn bytes(&self) -> usize {
-        size_of_val(self.lanes.as_slice())
-            + size_of_val(self.bands.as_slice())
-            + size_of_val(self.triggers.as_slice())
-            + size_of_val(self.tracked.as_slice())
-    }
 }
 
 /// The counters of [`Lanes`].

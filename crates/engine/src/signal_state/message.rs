@@ -2,7 +2,7 @@
 
 use std::fmt::Write as _;
 
-use crate::finding::{Finding, Kind, Model, Severity, State, Suspect, stable_id};
+use crate::finding::{Finding, Kind, Model, Suspect, stable_id};
 use crate::log::{Nanoseconds, SECOND, SignalIndex};
 use crate::plant::SignalClass;
 
@@ -12,15 +12,11 @@ use super::model::NominalModel;
 use super::rules::{Rule, row_of};
 use super::states::StateId;
 
-fn state_text(model: &NominalModel, state: StateId, kind: ChainKind) -> String {
-    model.short_state_name(state, kind)
-}
-
 /// "RET_ON", "RET_ON or BACKWARD_OFF", at most three.
 fn alternatives(model: &NominalModel, from: StateId, kind: ChainKind) -> Option<String> {
     let row = model.table.row(row_of(from, kind));
     let names: Vec<String> =
-        row.clone().take(3).map(|r| state_text(model, model.rules[r].next, kind)).collect();
+        row.clone().take(3).map(|r| model.short_state_name(model.rules[r].next, kind)).collect();
     let more = if row.len() > 3 { " or another known one" } else { "" };
     (!names.is_empty()).then(|| names.join(" or ") + more)
 }
@@ -91,7 +87,7 @@ pub fn transition(
 
 fn state_text_of(model: &NominalModel, state: StateId, kind: ChainKind) -> String {
     if (state as usize) < model.states.len() {
-        state_text(model, state, kind)
+        model.short_state_name(state, kind)
     } else {
         "a value never seen before".to_owned()
     }
@@ -108,17 +104,17 @@ pub fn time(model: &NominalModel, rule: usize, from_trigger: bool, finding: &Fin
         _ => ("came late", "was due within"),
     };
     let after = rule.trigger.as_ref().filter(|_| from_trigger).map_or_else(
-        || state_text(model, rule.current, kind),
+        || model.short_state_name(rule.current, kind),
         |trigger| {
             let states: Vec<String> =
-                trigger.states().map(|s| state_text(model, s, ChainKind::Group)).collect();
+                trigger.states().map(|s| model.short_state_name(s, ChainKind::Group)).collect();
             format!("{}, which it waits for", states.join(" and "))
         },
     );
     format!(
         "{}: {} {verb}, {observed:.2} s after {after}; it {bound} {limit:.2} s{}",
         place_text(finding),
-        state_text(model, rule.next, kind),
+        model.short_state_name(rule.next, kind),
         first_suspect(finding)
     )
 }
@@ -178,7 +174,8 @@ pub fn alarm_path(finding: &Finding) -> String {
 pub fn departure(model: &NominalModel, departure: &Departure, finding: &Finding) -> String {
     let rule = &model.rules[departure.rule];
     let kind = model.kind(rule.chain);
-    let (from, to) = (state_text(model, rule.current, kind), state_text(model, rule.next, kind));
+    let (from, to) =
+        (model.short_state_name(rule.current, kind), model.short_state_name(rule.next, kind));
     let place = place_text(finding);
     let shares = |shares: &[f64]| {
         shares.iter().fold(String::new(), |mut text, share| {
@@ -225,29 +222,7 @@ pub fn unknown_signal(name: &str, id: String, time: Nanoseconds) -> Finding {
 }
 
 fn plant_notice(kind: Kind, id: String, time: Nanoseconds) -> Finding {
-    Finding {
-        incident: id.clone(),
-        id,
-        time,
-        kind,
-        severity: Severity::Notice,
-        state: State::Confirmed,
-        model: Model::Plant,
-        group: None,
-        device: None,
-        signal: None,
-        address: None,
-        from: None,
-        to: None,
-        expected: Vec::new(),
-        observed_s: None,
-        limit_s: None,
-        rank: None,
-        suspects: Vec::new(),
-        path: Vec::new(),
-        snapshot_id: None,
-        message: String::new(),
-    }
+    Finding { incident: id.clone(), id, ..Finding::new(kind, Model::Plant, time) }
 }
 
 fn suspect(model: &NominalModel, signal: SignalIndex, score: f64) -> Suspect {

@@ -222,11 +222,6 @@ impl Monitor {
         }
     }
 
-    /// The model it watches against.
-    pub fn model(&self) -> &Arc<NominalModel> {
-        &self.model
-    }
-
     /// The signal's number for rows: the model's, or a number beyond for a signal nobody learned.
     pub fn signal_index(&mut self, symbol: &str, known: Option<SignalIndex>) -> SignalIndex {
         if let Some(known) = known {
@@ -432,14 +427,6 @@ impl Monitor {
         } else {
             Cow::Borrowed(self.model.accepted_without.get(&rule).map_or(&[], Vec::as_slice))
         }
-    }
-
-    fn nearest_maximum(&self, rule: usize, seconds: f64) -> Option<usize> {
-        let clusters = &self.model.rules[rule].clusters;
-        (0..clusters.len()).min_by(|&a, &b| {
-            let distance = |c: usize| (clusters[c].maximum_s - seconds).abs();
-            distance(a).total_cmp(&distance(b))
-        })
     }
 
     /// Paths that did not return in time, and groups that have stopped, in the order they fell due.

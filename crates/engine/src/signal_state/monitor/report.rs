@@ -17,6 +17,15 @@ use crate::timing::limits::Accepted;
 use super::{Entry, Here, Monitor, OpenPath, SNAPSHOTS_AT_MOST, Timed, Waiting};
 
 impl Monitor {
+    /// The cluster whose maximum is most similar to a time (section 2.6).
+    fn nearest_maximum(&self, rule: usize, seconds: f64) -> Option<usize> {
+        let clusters = &self.model.rules[rule].clusters;
+        (0..clusters.len()).min_by(|&a, &b| {
+            let distance = |c: usize| (clusters[c].maximum_s - seconds).abs();
+            distance(a).total_cmp(&distance(b))
+        })
+    }
+
     pub(super) fn report_time(
         &mut self,
         chain: ChainIndex,
@@ -186,31 +195,17 @@ impl Monitor {
         let plant = &self.model.plant;
         let index = self.signal_value(state).0;
         let signal = &plant.signals[index as usize];
+        let model = match chain_kind {
+            ChainKind::Device => Model::Device,
+            ChainKind::Group => Model::Group,
+        };
         Finding {
-            id: String::new(),
-            incident: String::new(),
-            time,
-            kind,
-            severity: Severity::Notice,
-            state: State::Confirmed,
-            model: match chain_kind {
-                ChainKind::Device => Model::Device,
-                ChainKind::Group => Model::Group,
-            },
             group: Some(self.model.group_name(chain).to_owned()),
             device: Some(plant.device_of(index).name.clone()),
             signal: Some(signal.name.clone()),
             address: signal.address.clone(),
-            from: None,
             to: Some(self.state_name(state)),
-            expected: Vec::new(),
-            observed_s: None,
-            limit_s: None,
-            rank: None,
-            suspects: Vec::new(),
-            path: Vec::new(),
-            snapshot_id: None,
-            message: String::new(),
+            ..Finding::new(kind, model, time)
         }
     }
 
