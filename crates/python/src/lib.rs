@@ -1,6 +1,7 @@
 //! Python bindings of the runglight engine: Arrow in, Arrow out. The only crate that names `pyo3`.
 
 mod change_log;
+mod cycle;
 mod errors;
 mod findings;
 mod model;
@@ -16,6 +17,7 @@ fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     quiet_panics();
     errors::register(module)?;
     module.add_class::<change_log::PyChangeLog>()?;
+    module.add_class::<cycle::PyCycleModel>()?;
     module.add_class::<findings::PyFindings>()?;
     module.add_class::<model::PyNominalModel>()?;
     module.add_class::<model::PyRules>()?;
@@ -23,6 +25,7 @@ fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(change_log::read_log, module)?)?;
     module.add_function(wrap_pyfunction!(change_log::write_log, module)?)?;
     module.add_function(wrap_pyfunction!(change_log::log_from_columns, module)?)?;
+    module.add_function(wrap_pyfunction!(cycle::learn_cycle, module)?)?;
     module.add_function(wrap_pyfunction!(model::learn, module)?)?;
     module.add_function(wrap_pyfunction!(model::load_model, module)?)?;
     Ok(())

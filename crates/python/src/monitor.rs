@@ -7,11 +7,13 @@ use std::sync::Arc;
 use pyo3::prelude::*;
 use pyo3_arrow::PyRecordBatchReader;
 
+use runglight_engine::cycle::model::CycleModel;
 use runglight_engine::finding::Finding;
+use runglight_engine::joint::JointMonitor;
 use runglight_engine::log::{ChangeLog, SignalIndex};
 use runglight_engine::signal_state::events::Row;
 use runglight_engine::signal_state::model::NominalModel;
-use runglight_engine::signal_state::monitor::{Monitor, MonitorError};
+use runglight_engine::signal_state::monitor::MonitorError;
 
 use crate::change_log::PyChangeLog;
 use crate::errors;
@@ -23,18 +25,28 @@ const CHUNK_ROWS: usize = 1024;
 /// Watches one plant.
 #[pyclass(name = "Monitor", module = "runglight._engine")]
 pub struct PyMonitor {
-    monitor: Monitor,
+    monitor: JointMonitor,
     signals: Arc<HashMap<String, SignalIndex>>,
 }
 
 impl PyMonitor {
-    pub fn new(model: Arc<NominalModel>, state: Option<&[u8]>) -> Result<Self, MonitorError> {
+    pub fn new(
+        model: Arc<NominalModel>,
+        cycle: Option<Arc<CycleModel>>,
+        state: Option<&[u8]>,
+    ) -> Result<Self, MonitorError> {
         let signals = (0..).zip(&model.plant.signals).map(|(i, s)| (s.symbol.clone(), i)).collect();
         let monitor = match state {
-            Some(bytes) => Monitor::restore(model, bytes)?,
-            None => Monitor::new(model),
+            Some(bytes) => JointMonitor::restore(model, cycle, bytes)?,
+            None => JointMonitor::new(model, cycle),
         };
         Ok(Self { monitor, signals: Arc::new(signals) })
+    }
+
+    /// The cycle machine alone.
+    pub fn of_cycle(cycle: Arc<CycleModel>, state: Option<&[u8]>) -> Result<Self, MonitorError> {
+        let signals = (0..).zip(&cycle.bits).map(|(i, bit)| (bit.symbol.clone(), i)).collect();
+        Ok(Self { monitor: JointMonitor::of_cycle(cycle, state)?, signals: Arc::new(signals) })
     }
 
     /// Rows up to each gap, the gap, the rows after it.
