@@ -61,7 +61,7 @@ def test_the_image_is_what_the_rows_say_at_every_scan() -> None:
             for name in ("input", "output")
         }
         assert cell.image() == Image(by_class["input"], by_class["output"])
-    assert cell.cycles == 2
+    assert cell.cycles == 3
 
 
 def test_time_that_has_passed_changes_nothing() -> None:
