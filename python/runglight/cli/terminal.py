@@ -7,6 +7,7 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, TextIO
 
 from rich.console import Console
+from rich.text import Text
 
 from runglight import environment
 
@@ -53,6 +54,16 @@ def progressing(doing: str, total: int) -> Iterator[Callable[[int], None]]:
     with Progress(console=Console(file=sys.stderr), transient=True) as progress:
         task = progress.add_task(doing, total=total)
         yield lambda done: progress.advance(task, done)
+
+
+@contextmanager
+def reporting() -> Iterator[Callable[[str], None]]:
+    """A line that the given function writes anew; silent where no terminal is."""
+    if not _watched():
+        yield lambda _line: None
+        return
+    with Console(file=sys.stderr).status("") as status:
+        yield lambda line: status.update(Text(line))
 
 
 def _watched() -> bool:
