@@ -1,7 +1,7 @@
 //! The weighted automaton of one region in one phase: several initial and final states, and how
 //! often each transition was seen (section 3.4).
 
-use std::collections::HashMap;
+use std::collections::{BTreeMap, HashMap};
 
 use crate::log::Nanoseconds;
 
@@ -11,8 +11,48 @@ use super::sequences::Sequence;
 /// Number of a state.
 pub type State = u32;
 
+/// What followed, for one way a state was entered.
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Then {
+    /// State entered next.
+    pub to: State,
+    /// How often.
+    pub count: u64,
+    /// The shortest stay before it.
+    pub shortest: Nanoseconds,
+    /// The longest time nothing at all had changed before it.
+    pub longest_quiet: Nanoseconds,
+    /// Where among all changes of the machine in a sequence it came, and how often: what tells
+    /// which of several awaited changes comes first.
+    pub positions: BTreeMap<u32, u64>,
+}
+
+/// Positions that lie further apart belong to different moments of the sequence.
+const ONE_MOMENT: u32 = 6;
+
+impl Then {
+    /// When it is next due after a position: the mean of that moment, and how often it was.
+    /// `None` where it only ever came earlier.
+    pub fn due(&self, now: Option<u32>) -> Option<(f64, u64)> {
+        let mut moment: Option<(u32, f64, u64)> = None;
+        for (&position, &count) in &self.positions {
+            let weighted = f64::from(position) * count as f64;
+            moment = match moment {
+                Some((last, sum, counted)) if position - last <= ONE_MOMENT => {
+                    Some((position, sum + weighted, counted + count))
+                }
+                Some((last, ..)) if now.is_none_or(|now| last + ONE_MOMENT >= now) => break,
+                _ => Some((position, weighted, count)),
+            };
+        }
+        let (last, sum, counted) = moment?;
+        let due = now.is_none_or(|now| last + ONE_MOMENT >= now);
+        due.then(|| (sum / counted.max(1) as f64, counted))
+    }
+}
+
 /// A transition as it was counted.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Debug, Clone, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Transition {
     /// State left.
     pub from: State,
@@ -22,10 +62,12 @@ pub struct Transition {
     pub weight: u64,
     /// The longest time the entered state was kept having come this way.
     pub longest_stay: Nanoseconds,
+    /// What followed having come this way, most frequent first.
+    pub then: Vec<Then>,
 }
 
 /// A word of a region.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Node {
     /// The word.
     pub word: Word,
@@ -35,6 +77,19 @@ pub struct Node {
     pub last: u64,
     /// The longest time it was kept as the first word of a sequence.
     pub longest_first_stay: Nanoseconds,
+    /// What followed where a sequence began with it.
+    pub then: Vec<Then>,
+}
+
+/// How a state was entered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub enum Came {
+    /// Nobody knows.
+    Unknown,
+    /// The sequence began with it.
+    First,
+    /// By a transition, by number.
+    By(u32),
 }
 
 /// The automaton.
@@ -57,43 +112,72 @@ impl Machine {
         let mut by_word: HashMap<Word, State> = HashMap::new();
         let mut nodes: Vec<Node> = Vec::new();
         let mut counted: HashMap<(State, State), Transition> = HashMap::new();
+        let mut then: HashMap<(Option<State>, State, State), Then> = HashMap::new();
         for sequence in sequences {
             let mut before: Option<State> = None;
-            for (place, &(word, time)) in sequence.words.iter().enumerate() {
-                let left = sequence.words.get(place + 1).map_or(sequence.end, |next| next.1);
-                let stay = left.saturating_sub(time);
-                let state = *by_word.entry(word).or_insert_with(|| {
-                    nodes.push(Node { word, ..Node::default() });
+            let mut here: Option<(State, Nanoseconds)> = None;
+            for (place, entered) in sequence.words.iter().enumerate() {
+                let left = sequence.words.get(place + 1).map_or(sequence.end, |next| next.time);
+                let stay = left.saturating_sub(entered.time);
+                let state = *by_word.entry(entered.word).or_insert_with(|| {
+                    nodes.push(Node { word: entered.word, ..Node::default() });
                     nodes.len() as State - 1
                 });
-                match before {
+                match here {
                     None => {
                         let node = &mut nodes[state as usize];
                         node.initial += 1;
                         node.longest_first_stay = node.longest_first_stay.max(stay);
                     }
-                    Some(from) => {
+                    Some((from, since)) => {
                         let counted = counted.entry((from, state)).or_insert(Transition {
                             from,
                             to: state,
                             weight: 0,
                             longest_stay: 0,
+                            then: Vec::new(),
                         });
                         counted.weight += 1;
                         counted.longest_stay = counted.longest_stay.max(stay);
+                        let then = then.entry((before, from, state)).or_insert(Then {
+                            to: state,
+                            count: 0,
+                            shortest: Nanoseconds::MAX,
+                            longest_quiet: 0,
+                            positions: BTreeMap::new(),
+                        });
+                        then.count += 1;
+                        then.shortest = then.shortest.min(entered.time.saturating_sub(since));
+                        then.longest_quiet = then.longest_quiet.max(entered.quiet);
+                        *then.positions.entry(entered.position).or_default() += 1;
+                        before = Some(from);
                     }
                 }
-                before = Some(state);
+                here = Some((state, entered.time));
             }
-            if let Some(last) = before {
+            if let Some((last, _)) = here {
                 nodes[last as usize].last += 1;
+            }
+        }
+        for ((before, here, _), then) in then {
+            match before {
+                None => nodes[here as usize].then.push(then),
+                Some(before) => {
+                    if let Some(transition) = counted.get_mut(&(before, here)) {
+                        transition.then.push(then);
+                    }
+                }
             }
         }
         Self::assemble(nodes, counted.into_values().collect())
     }
 
     /// From nodes and transitions in any order; every number must be a node's.
-    pub fn assemble(nodes: Vec<Node>, mut transitions: Vec<Transition>) -> Self {
+    pub fn assemble(mut nodes: Vec<Node>, mut transitions: Vec<Transition>) -> Self {
+        let of_nodes = nodes.iter_mut().map(|node| &mut node.then);
+        for then in of_nodes.chain(transitions.iter_mut().map(|t| &mut t.then)) {
+            then.sort_by_key(|then| (std::cmp::Reverse(then.count), then.to));
+        }
         transitions.sort_by_key(|t| (t.from, std::cmp::Reverse(t.weight), t.to));
         let starts = (0..=nodes.len() as State)
             .map(|state| transitions.partition_point(|t| t.from < state) as u32)
@@ -122,12 +206,36 @@ impl Machine {
         self.starts[state as usize] as usize..self.starts[state as usize + 1] as usize
     }
 
-    /// The transition from a state to a word.
+    /// The number of the transition from a state to a word.
     #[inline]
-    pub fn step(&self, state: State, word: Word) -> Option<&Transition> {
+    pub fn step(&self, state: State, word: Word) -> Option<u32> {
         let range = self.range(state);
         let place = self.entered[range.clone()].iter().position(|&entered| entered == word)?;
-        self.transitions.get(range.start + place)
+        Some((range.start + place) as u32)
+    }
+
+    /// What followed a state entered in some way.
+    pub fn then(&self, state: State, came: Came) -> &[Then] {
+        match came {
+            Came::Unknown => &[],
+            Came::First => &self.nodes[state as usize].then,
+            Came::By(transition) => &self.transitions[transition as usize].then,
+        }
+    }
+
+    /// Transitions out of a state, with their numbers; those that followed it when it was entered
+    /// so come first, most frequent first. Where nothing is known of that, all count alike.
+    pub fn onwards(&self, state: State, came: Came) -> Vec<(u32, &Transition)> {
+        let then = self.then(state, came);
+        let rank = |to: State| then.iter().position(|then| then.to == to);
+        let range = self.range(state);
+        let mut onwards: Vec<(u32, &Transition)> =
+            (range.start as u32..).zip(&self.transitions[range]).collect();
+        if !then.is_empty() {
+            onwards.retain(|(_, t)| rank(t.to).is_some());
+            onwards.sort_by_key(|(_, t)| rank(t.to));
+        }
+        onwards
     }
 
     /// True where a sequence was seen to begin so.

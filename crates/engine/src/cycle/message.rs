@@ -22,6 +22,8 @@ pub enum Told {
     Start,
     /// A region waits too long.
     Overdue,
+    /// A known change came too soon.
+    Early,
 }
 
 fn bit_text(bit: &Bit) -> String {
@@ -85,6 +87,10 @@ pub fn departure(
             let expected = expected.map_or_else(|| "another".to_owned(), |w| shown.hex(w));
             format!("{name}: {phase} began at {}, expected {expected}", shown.hex(seen))
         }
+        Told::Early => format!(
+            "{name}: {} came sooner than ever during {phase}",
+            changes(model, region, before, seen)
+        ),
         Told::Overdue => format!(
             "{name}: {awaited} did not come: due within {:.1} s, waited {:.1} s",
             finding.limit_s.unwrap_or_default(),

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use crate::log::{Nanoseconds, SECOND};
 
 use super::image::{Phase, Wiring};
-use super::machine::{Machine, Node, State, Transition};
+use super::machine::{Machine, Node, State, Then, Transition};
 use super::order::Independence;
 use super::parameters::CycleParameters;
 use super::regions::{BITS_AT_MOST, Bit, Modes, Region, Word};
@@ -96,6 +96,7 @@ struct WrittenState {
     initial: u64,
     r#final: u64,
     longest_first_stay: Nanoseconds,
+    then: Vec<Then>,
 }
 
 impl CycleModel {
@@ -157,6 +158,7 @@ impl CycleModel {
                     initial: node.initial,
                     r#final: node.last,
                     longest_first_stay: node.longest_first_stay,
+                    then: node.then.clone(),
                 })
                 .collect(),
             transitions: machine.transitions.clone(),
@@ -255,9 +257,15 @@ fn read_machine(written: WrittenMachine, width: usize) -> Option<Machine> {
             initial: state.initial,
             last: state.r#final,
             longest_first_stay: state.longest_first_stay,
+            then: state.then.clone(),
         });
     }
     let known = |state: State| (state as usize) < nodes.len();
-    let whole = written.transitions.iter().all(|t| known(t.from) && known(t.to) && t.weight > 0);
+    let then_known = |then: &[Then]| then.iter().all(|then| known(then.to) && then.count > 0);
+    let whole = written
+        .transitions
+        .iter()
+        .all(|t| known(t.from) && known(t.to) && t.weight > 0 && then_known(&t.then))
+        && nodes.iter().all(|node| then_known(&node.then));
     whole.then(|| Machine::assemble(nodes, written.transitions))
 }

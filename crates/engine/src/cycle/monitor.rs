@@ -18,7 +18,7 @@ use crate::signal_state::events::Row;
 use crate::signal_state::monitor::MonitorError;
 
 use super::image::{Image, Phase};
-use super::machine::State;
+use super::machine::{Came, State};
 use super::model::CycleModel;
 use super::parameters::Comparison;
 use super::rate::Rate;
@@ -38,9 +38,27 @@ struct Here {
     since: Nanoseconds,
     /// The longest learned stay here, having come this way.
     stay: Nanoseconds,
+    /// How it came here.
+    came: Came,
+    /// Where it was before, how it had come there, and since when.
+    before: (State, Came, Nanoseconds),
 }
 
-const NOWHERE: Here = Here { state: LOST, ahead: false, since: 0, stay: UNLEARNED };
+const NOWHERE: Here = Here {
+    state: LOST,
+    ahead: false,
+    since: 0,
+    stay: UNLEARNED,
+    came: Came::Unknown,
+    before: (LOST, Came::Unknown, 0),
+};
+
+impl Here {
+    /// A place nothing is known of but the state.
+    fn at(state: State, since: Nanoseconds) -> Self {
+        Self { state, since, ..NOWHERE }
+    }
+}
 
 /// A finding whose end is not known yet.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -74,6 +92,10 @@ struct Watch {
     /// Mode `word` after a start or a gap: a sequence is followed from its beginning.
     await_edge: bool,
     here: Vec<Here>,
+    /// Changes of the machine since the sequence began, where it was followed from there.
+    position: Option<u32>,
+    /// When any region last changed.
+    last_change: Nanoseconds,
     /// Since when the sequence runs, and whether it has been said that it never ends.
     sequence_since: Option<Nanoseconds>,
     never_ends_told: bool,
@@ -126,6 +148,8 @@ impl Monitor {
             by_hand: false,
             await_edge: true,
             here: vec![NOWHERE; regions],
+            position: None,
+            last_change: 0,
             sequence_since: None,
             never_ends_told: false,
             sequences: 0,

@@ -7,7 +7,7 @@
 
 use std::collections::HashSet;
 
-use super::machine::{Machine, State};
+use super::machine::{Came, Machine, State};
 use super::regions::Word;
 
 /// Transitions looked ahead for a change that came before its turn.
@@ -103,14 +103,15 @@ pub fn before_its_turn(
 }
 
 /// The bits a change overtook: it comes later on a known path, but never before these. `None`
-/// where no known path has it. The heaviest path is tried first.
+/// where no known path has it. Paths that went on so from a state entered so are tried first.
 pub fn overtaken(
     machine: &Machine,
     independence: &Independence,
     from: State,
+    came: Came,
     word: Word,
 ) -> Option<Vec<Word>> {
-    let early = Search::new(machine, None, from, word).overtaken()?;
+    let early = Search { came, ..Search::new(machine, None, from, word) }.overtaken()?;
     let ahead = machine.word(from) ^ word;
     let waits = |&(bit, value): &Change| {
         bits(ahead).any(|b| !independence.independent((b, word & b != 0), (bit, value)))
@@ -123,6 +124,7 @@ struct Search<'a> {
     /// What may overtake what; everything where `None`.
     independence: Option<&'a Independence>,
     from: State,
+    came: Came,
     /// The word now.
     word: Word,
     /// Changes of the path that have not happened.
@@ -137,16 +139,23 @@ impl<'a> Search<'a> {
         from: State,
         word: Word,
     ) -> Self {
-        Self { machine, independence, from, word, overtaken: Vec::new(), steps: 0 }
+        Self { machine, independence, from, came: Came::Unknown, word, overtaken: Vec::new(), steps: 0 }
     }
 
     fn overtaken(mut self) -> Option<Vec<Change>> {
         let ahead = self.machine.word(self.from) ^ self.word;
-        self.follow(self.from, ahead, ahead, 0).then_some(self.overtaken)
+        self.follow(self.from, self.came, ahead, ahead, 0).then_some(self.overtaken)
     }
 
     /// `ahead`: bits that have changed already; `missing`: those not met on the path yet.
-    fn follow(&mut self, state: State, ahead: Word, missing: Word, depth: usize) -> bool {
+    fn follow(
+        &mut self,
+        state: State,
+        came: Came,
+        ahead: Word,
+        missing: Word,
+        depth: usize,
+    ) -> bool {
         if missing == 0 {
             return true;
         }
@@ -156,7 +165,7 @@ impl<'a> Search<'a> {
         }
         let machine = self.machine;
         let left = machine.word(state);
-        for transition in machine.from(state) {
+        for (number, transition) in machine.onwards(state, came) {
             let entered = machine.word(transition.to);
             let changed = left ^ entered;
             let happened = changed & missing;
@@ -175,7 +184,9 @@ impl<'a> Search<'a> {
             }
             let kept = self.overtaken.len();
             self.overtaken.extend(bits(changed & !happened).map(alone));
-            if self.follow(transition.to, ahead, missing & !happened, depth + 1) {
+            // A path in a known sense stays in it; one that began anywhere may go anywhere.
+            let next = if self.came == Came::Unknown { Came::Unknown } else { Came::By(number) };
+            if self.follow(transition.to, next, ahead, missing & !happened, depth + 1) {
                 return true;
             }
             self.overtaken.truncate(kept);
@@ -192,14 +203,17 @@ fn bits(mask: Word) -> impl Iterator<Item = Word> {
 mod tests {
     use super::*;
     use crate::cycle::image::Phase;
-    use crate::cycle::sequences::Sequence;
+    use crate::cycle::sequences::{Entered, Sequence};
 
     fn machine(rows: &[&[Word]]) -> Machine {
         let sequences: Vec<Sequence> = rows
             .iter()
             .map(|words| Sequence {
                 phase: Phase::Work,
-                words: (0..).zip(*words).map(|(time, &word)| (word, time)).collect(),
+                words: (0..)
+                    .zip(*words)
+                    .map(|(time, &word)| Entered { word, time, quiet: 1, position: time as u32 })
+                    .collect(),
                 end: 100,
             })
             .collect();

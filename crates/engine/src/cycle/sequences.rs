@@ -6,13 +6,26 @@ use crate::log::{ChangeLog, Nanoseconds};
 use super::image::{Image, Phase, Wiring};
 use super::regions::Word;
 
+/// A region's word changes, or a sequence begins with it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Entered {
+    /// The word.
+    pub word: Word,
+    /// When.
+    pub time: Nanoseconds,
+    /// How long no region had changed before.
+    pub quiet: Nanoseconds,
+    /// Readings with a change in the whole machine since the sequence began.
+    pub position: u32,
+}
+
 /// One row of a training file: what a region went through in one work or set-up.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Sequence {
     /// Work or set-up.
     pub phase: Phase,
-    /// Words and when each was entered.
-    pub words: Vec<(Word, Nanoseconds)>,
+    /// Words as they were entered.
+    pub words: Vec<Entered>,
     /// When it ended.
     pub end: Nanoseconds,
 }
@@ -53,7 +66,8 @@ impl Sequences {
         self.by_region.resize(regions, Vec::new());
         let mut image = Image::new(bits, regions);
         let mut rows: Vec<Row> = Vec::new();
-        let mut words: Vec<Vec<(u32, Word, Nanoseconds)>> = vec![Vec::new(); regions];
+        let mut words: Vec<Vec<(u32, Entered)>> = vec![Vec::new(); regions];
+        let (mut last_change, mut position) = (0, 0);
         let mut gaps = log.gaps.iter().peekable();
         let mut start = 0;
         while start < log.len() {
@@ -79,16 +93,20 @@ impl Sequences {
                 }
                 rows.push(Row { phase: image.mode.phase, start: time, end: time, paused: false });
                 let number = rows.len() as u32 - 1;
+                position = 0;
                 for (words, &word) in words.iter_mut().zip(&image.words) {
-                    words.push((number, word, time));
+                    words.push((number, Entered { word, time, quiet: 0, position }));
                 }
-            } else {
+                last_change = time;
+            } else if !image.dirty.is_empty() {
                 let number = rows.len() as u32 - 1;
+                position += 1;
+                let quiet = time.saturating_sub(std::mem::replace(&mut last_change, time));
                 for &region in &image.dirty {
                     let word = image.words[region as usize];
                     let of_region = &mut words[region as usize];
-                    if of_region.last().is_none_or(|last| last.1 != word) {
-                        of_region.push((number, word, time));
+                    if of_region.last().is_none_or(|last| last.1.word != word) {
+                        of_region.push((number, Entered { word, time, quiet, position }));
                     }
                 }
             }
@@ -103,7 +121,7 @@ impl Sequences {
             for run in of_region.chunk_by(|a, b| a.0 == b.0) {
                 let number = run[0].0 as usize;
                 if let (true, Some(phase)) = (kept[number], rows[number].phase) {
-                    let words = run.iter().map(|&(_, word, time)| (word, time)).collect();
+                    let words = run.iter().map(|(_, entered)| *entered).collect();
                     into.push(Sequence { phase, words, end: rows[number].end });
                 }
             }

@@ -5,10 +5,29 @@ use std::sync::Arc;
 use crate::cycle::localise;
 use crate::cycle::message;
 use crate::finding::{Severity, State as Standing};
-use crate::log::Nanoseconds;
+use crate::log::{Nanoseconds, SECOND};
 
 use super::report::Departure;
-use super::{LOST, Monitor, NOWHERE, Open, UNLEARNED};
+use super::{Here, LOST, Monitor, NOWHERE, Open, UNLEARNED};
+
+/// A machine stops within this time of what made it stop, but for what was under way.
+const AFTER_THE_CAUSE: Nanoseconds = SECOND;
+/// Instances that tell how soon a change may come, and the share of the shortest that is too soon.
+const EARLY_EVIDENCE: u64 = 10;
+const EARLY_SHARE: f64 = 0.8;
+
+/// How near a cause is to the stop: seen to go wrong just then, awaited since then, long before.
+const NEAR: u8 = 0;
+const AWAITED: u8 = 1;
+const FAR: u8 = 2;
+
+/// What may have made the machine stop.
+struct Cause {
+    near: u8,
+    order: f64,
+    open: Open,
+    told: bool,
+}
 
 /// Regions named at one alarm.
 const NAMED_AT_MOST: usize = 5;
@@ -30,23 +49,46 @@ impl Monitor {
         if !alarm_rose && fresh.is_empty() {
             return;
         }
-        let mut causes: Vec<(Nanoseconds, Open, bool)> =
-            fresh.into_iter().map(|open| (open.finding.time, open, false)).collect();
+        // The machine goes on for a moment after its cause; what is older, and whose region has
+        // moved on since, has been got over.
+        let stopped = self.watch.last_change.min(time).saturating_sub(AFTER_THE_CAUSE);
+        let recent =
+            |open: &Open| if open.finding.time >= stopped || open.known == 0 { NEAR } else { FAR };
         let told = std::mem::take(&mut self.watch.open);
-        for (onset, region) in self.overdue(time) {
-            let named = told.iter().chain(causes.iter().map(|(_, open, _)| open));
-            if named.clone().all(|open| open.region != Some(region as u32)) {
-                let found = self.departed(region, time, Departure::Overdue);
-                causes.extend(found.map(|open| (onset, open, false)));
+        let mut causes: Vec<Cause> = Vec::new();
+        for (open, told) in
+            fresh.into_iter().map(|o| (o, false)).chain(told.into_iter().map(|o| (o, true)))
+        {
+            causes.push(Cause { near: recent(&open), order: open.finding.time as f64, open, told });
+        }
+        if self.element {
+            for (since, region) in self.early(stopped) {
+                let found = self.departed(region, time, Departure::Early);
+                causes.extend(found.map(|open| Cause {
+                    near: NEAR,
+                    order: since as f64,
+                    open,
+                    told: false,
+                }));
             }
         }
-        causes.extend(told.into_iter().map(|open| (open.finding.time, open, true)));
-        causes.sort_by_key(|(onset, ..)| *onset);
+        for (position, region) in self.overdue(time) {
+            let found = self.departed(region, time, Departure::Overdue);
+            let cause = |open| Cause { near: AWAITED, order: position, open, told: false };
+            causes.extend(found.map(cause));
+        }
+        causes.sort_by(|a, b| a.near.cmp(&b.near).then(a.order.total_cmp(&b.order)));
+        // What was told of a region already is told on; else one finding a region.
+        let mut named = std::collections::BTreeSet::new();
+        for cause in causes.iter().filter(|cause| cause.told) {
+            named.extend(cause.open.region);
+        }
+        causes.retain(|cause| cause.told || cause.open.region.is_none_or(|r| named.insert(r)));
         causes.truncate(NAMED_AT_MOST);
         if causes.is_empty() {
             return;
         }
-        for (place, (_, mut open, told)) in causes.into_iter().enumerate() {
+        for (place, Cause { mut open, told, .. }) in causes.into_iter().enumerate() {
             let finding = &mut open.finding;
             finding.rank = Some(localise::class(true, place == 0));
             finding.severity = if place == 0 { Severity::Fault } else { Severity::Notice };
@@ -65,26 +107,55 @@ impl Monitor {
         self.watch_the_clock();
     }
 
-    /// Regions that have stayed longer than was ever learned, by when that began.
-    fn overdue(&self, time: Nanoseconds) -> Vec<(Nanoseconds, usize)> {
+    /// Regions that wait longer than they ever did, be it since their own last change or since
+    /// anything at all changed; what usually comes first stands first.
+    fn overdue(&self, time: Nanoseconds) -> Vec<(f64, usize)> {
         let Some(phase) = self.watch.phase else {
             return Vec::new();
         };
-        let mut overdue: Vec<(Nanoseconds, usize)> = self
-            .watch
-            .here
-            .iter()
-            .enumerate()
-            .filter(|(region, here)| {
-                here.state != LOST
-                    && here.stay != UNLEARNED
-                    && !self.model.machine(*region, phase).from(here.state).is_empty()
-            })
-            .map(|(region, here)| (here.since.saturating_add(here.stay), region))
-            .filter(|(due, _)| *due < time)
-            .collect();
-        overdue.sort_unstable();
+        let quiet = time.saturating_sub(self.watch.last_change);
+        let mut overdue = Vec::new();
+        for (region, here) in self.watch.here.iter().enumerate() {
+            if here.state == LOST {
+                continue;
+            }
+            let then = self.model.machine(region, phase).then(here.state, here.came);
+            let stayed = here.stay != UNLEARNED && time.saturating_sub(here.since) > here.stay;
+            let due: Vec<(f64, u64)> = then
+                .iter()
+                .filter(|then| stayed || quiet > then.longest_quiet)
+                .filter_map(|then| then.due(self.watch.position))
+                .collect();
+            let count: u64 = due.iter().map(|(_, count)| count).sum();
+            let sum: f64 = due.iter().map(|(position, count)| position * *count as f64).sum();
+            if count > 0 {
+                overdue.push((sum / count as f64, region));
+            }
+        }
+        overdue.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
         overdue
+    }
+
+    /// Regions whose latest change is a known one that never came so soon.
+    fn early(&self, since: Nanoseconds) -> Vec<(Nanoseconds, usize)> {
+        let Some(phase) = self.watch.phase else {
+            return Vec::new();
+        };
+        let is_early = |region: usize, here: &Here| {
+            let (state, came, entered) = here.before;
+            let took = here.since.saturating_sub(entered) as f64;
+            here.state != LOST
+                && state != LOST
+                && self.model.machine(region, phase).then(state, came).iter().any(|then| {
+                    then.to == here.state
+                        && then.count >= EARLY_EVIDENCE
+                        && took < EARLY_SHARE * then.shortest as f64
+                })
+        };
+        let here = self.watch.here.iter().enumerate();
+        here.filter(|(region, here)| here.since >= since && is_early(*region, here))
+            .map(|(region, here)| (here.since, region))
+            .collect()
     }
 
     /// A region with an open finding takes a known transition.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::cycle::image::Phase;
-use crate::cycle::machine::{Machine, State};
+use crate::cycle::machine::{Came, Machine, State};
 use crate::cycle::order;
 use crate::cycle::regions::Word;
 use crate::log::Nanoseconds;
@@ -19,12 +19,18 @@ impl Monitor {
             return;
         };
         let may_differ = self.watch.image.complete(&self.model.wiring);
+        if !self.watch.image.dirty.is_empty() {
+            self.watch.position = self.watch.position.map(|position| position + 1);
+        }
         if may_differ || !self.watch.started {
             self.judge_modes(time);
         } else {
             self.step_all(time);
         }
-        self.watch.image.dirty.clear();
+        if !self.watch.image.dirty.is_empty() || self.watch.sequence_since == Some(time) {
+            self.watch.last_change = time;
+            self.watch.image.dirty.clear();
+        }
         if !self.fresh.is_empty() {
             self.settle(time, false);
         }
@@ -49,12 +55,16 @@ impl Monitor {
         let here = self.watch.here[region];
         if here.state != LOST && !here.ahead {
             let word = self.word(region);
-            if let Some(transition) = self.model.machine(region, phase).step(here.state, word) {
+            let machine = self.model.machine(region, phase);
+            if let Some(number) = machine.step(here.state, word) {
+                let transition = &machine.transitions[number as usize];
                 self.watch.here[region] = Here {
                     state: transition.to,
                     ahead: false,
                     since: time,
                     stay: transition.longest_stay,
+                    came: Came::By(number),
+                    before: (here.state, here.came, here.since),
                 };
                 if !self.watch.open.is_empty() {
                     self.known_step(region, time);
@@ -87,7 +97,7 @@ impl Monitor {
                 && let Some(state) = machine.find(word)
             {
                 let stay = longest_stay(machine, state);
-                self.watch.here[region] = Here { state, ahead: false, since: time, stay };
+                self.watch.here[region] = Here { stay, ..Here::at(state, time) };
                 if !self.watch.open.is_empty() {
                     self.known_step(region, time);
                 }
@@ -107,7 +117,7 @@ impl Monitor {
     pub(super) fn synchronise(&mut self, region: usize, phase: Phase, time: Nanoseconds) {
         let word = self.word(region);
         self.watch.here[region] = match self.model.machine(region, phase).find(word) {
-            Some(state) => Here { state, ahead: false, since: time, stay: UNLEARNED },
+            Some(state) => Here::at(state, time),
             None => NOWHERE,
         };
     }
@@ -154,6 +164,7 @@ impl Monitor {
         }
         if edge || paused_before || first {
             self.watch.sequence_since = mode.phase.map(|_| time);
+            self.watch.position = (edge && !paused_before).then_some(0);
             self.watch.never_ends_told = false;
             self.watch_the_clock();
         }
@@ -205,7 +216,7 @@ impl Monitor {
         let state = machine.find(word);
         if let Some(state) = state.filter(|&state| machine.is_initial(state)) {
             let stay = machine.nodes[state as usize].longest_first_stay;
-            self.watch.here[region] = Here { state, ahead: false, since: time, stay };
+            self.watch.here[region] = Here { stay, came: Came::First, ..Here::at(state, time) };
             return;
         }
         // Nothing was learned of this phase: nothing can be said of it.

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use crate::cycle::image::Phase;
 use crate::cycle::localise::{self, Candidate};
-use crate::cycle::machine::State;
+use crate::cycle::machine::{State, Then};
 use crate::cycle::regions::Word;
 use crate::cycle::{message, order};
 use crate::finding::{
@@ -36,6 +36,8 @@ pub(super) enum Departure {
     Start,
     /// A region that stays longer than it ever did.
     Overdue,
+    /// Its latest change is a known one, but never came so soon.
+    Early,
 }
 
 impl Monitor {
@@ -79,14 +81,24 @@ impl Monitor {
             Departure::End { at } => (Some(at), machine.word(at)),
             Departure::Start => (None, word),
             Departure::Overdue => (Some(here.state), word),
+            Departure::Early => (Some(here.before.0), word),
         };
         let possible: Vec<(Word, u64)> = match departure {
-            Departure::Transition { from } => {
+            // The paper looks at the state alone; how it was entered tells more.
+            Departure::Overdue if self.element => {
+                let then = machine.then(here.state, here.came);
+                let due = |then: &Then| {
+                    let (_, count) = then.due(self.watch.position)?;
+                    Some((machine.word(then.to), count))
+                };
+                then.iter().filter_map(due).collect()
+            }
+            Departure::Transition { .. } | Departure::Overdue => {
+                let from = from.unwrap_or_default();
                 machine.from(from).iter().map(|t| (machine.word(t.to), t.weight)).collect()
             }
-            Departure::Overdue => {
-                machine.from(here.state).iter().map(|t| (machine.word(t.to), t.weight)).collect()
-            }
+            // It should have stayed.
+            Departure::Early => vec![(machine.word(here.before.0), 1)],
             Departure::End { .. } => {
                 machine.nodes.iter().filter(|n| n.last > 0).map(|n| (n.word, n.last)).collect()
             }
@@ -94,6 +106,11 @@ impl Monitor {
                 let initial = machine.nodes.iter().filter(|n| n.initial > 0);
                 initial.map(|n| (n.word, n.initial)).collect()
             }
+        };
+        // A state nothing ever followed should have been kept.
+        let possible = match from {
+            Some(from) if possible.is_empty() => vec![(machine.word(from), 1)],
+            _ => possible,
         };
         let candidates = localise::candidates(possible, seen, shown.width());
         let suspects = match departure {
@@ -123,7 +140,9 @@ impl Monitor {
         finding.address = first.and_then(|bit| bit.address.clone());
         finding.from = from.map(|state| state_name(machine.word(state)));
         finding.to = match departure {
-            Departure::Transition { .. } | Departure::Start => Some(state_name(word)),
+            Departure::Transition { .. } | Departure::Start | Departure::Early => {
+                Some(state_name(word))
+            }
             Departure::End { .. } | Departure::Overdue => None,
         };
         finding.expected = candidates
@@ -175,7 +194,8 @@ impl Monitor {
         let independence = &self.model.independence[region][phase.index()];
         let left = machine.word(from);
         let changed = left ^ word;
-        let overtaken = order::overtaken(machine, independence, from, word);
+        let came = self.watch.here[region].came;
+        let overtaken = order::overtaken(machine, independence, from, came, word);
         let (mut suspects, came) = match overtaken {
             Some(bits) if !bits.is_empty() => {
                 (bits.into_iter().map(|bit| (bit, OVERTAKEN)).collect::<Vec<_>>(), UNEXPECTED)
@@ -272,5 +292,6 @@ fn departure_text(departure: Departure) -> message::Told {
         Departure::End { .. } => message::Told::End,
         Departure::Start => message::Told::Start,
         Departure::Overdue => message::Told::Overdue,
+        Departure::Early => message::Told::Early,
     }
 }
