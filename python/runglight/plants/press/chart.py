@@ -1,6 +1,8 @@
 """What the press does in a cycle, as its sequential function chart."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
+
+from runglight.plants.press.symbols import CARRIAGES
 
 CLAMPS = tuple(f"Clamp{number}" for number in range(1, 7))
 PUNCHES = tuple(f"Punch{number}" for number in range(1, 5))
@@ -25,15 +27,29 @@ class Step:
 
 
 _Move = tuple[str, bool]
+
+
 _VALVE = {True: "ADV", False: "RET"}
 
 
-def _steps() -> tuple[Step, ...]:
-    steps: list[Step] = []
-    held: dict[str, str] = {}
-    work = True
+def _out(*devices: str) -> tuple[_Move, ...]:
+    return tuple((device, True) for device in devices)
+
+
+def _back(*devices: str) -> tuple[_Move, ...]:
+    return tuple((device, False) for device in devices)
+
+
+class _Draft:
+    """Collects steps, and remembers where every actuator stands."""
+
+    def __init__(self) -> None:
+        self.steps: list[Step] = []
+        self.work = True
+        self.held: dict[str, str] = {}
 
     def step(
+        self,
         *moves: _Move,
         switch: dict[str, bool] | None = None,
         until: tuple[tuple[str, bool], ...] = (),
@@ -43,97 +59,98 @@ def _steps() -> tuple[Step, ...]:
         switched = dict(switch or {})
         conditions = list(until)
         for device, out in moves:
-            held.pop(device, None)
-            carriage = device in ("Transfer", "Removal")
-            switched[f"{device}-{'FORWARD' if carriage else 'VALVE'}"] = out
+            self.held.pop(device, None)
+            output = "FORWARD" if device in CARRIAGES else "VALVE"
+            switched[f"{device}-{output}"] = out
             conditions.append((f"{device}-{_VALVE[out]}", True))
             conditions.append((f"{device}-{_VALVE[not out]}", False))
-        steps.append(
-            Step(work, switched, tuple(conditions), watchdog_s, pause_s, held=dict(held))
+        self.steps.append(
+            Step(self.work, switched, tuple(conditions), watchdog_s, pause_s, dict(self.held))
         )
         for device, out in moves:
-            held[device] = f"{device}-{_VALVE[out]}"
+            self.held[device] = f"{device}-{_VALVE[out]}"
 
-    def out(*devices: str) -> tuple[_Move, ...]:
-        return tuple((device, True) for device in devices)
+    def ring(self) -> tuple[Step, ...]:
+        """What the end of the chart has reached is held when it begins again."""
+        first = dict(self.held)
+        ring: list[Step] = []
+        for step in self.steps:
+            for output in step.switch:
+                first.pop(output.split("-")[0], None)
+            ring.append(replace(step, held=first | step.held))
+        return tuple(ring)
 
-    def back(*devices: str) -> tuple[_Move, ...]:
-        return tuple((device, False) for device in devices)
 
-    step(*out(*CLAMPS[:4]))
-    step(*out("Clamp5", "Clamp6", "Pin1", "Pin2"), until=(("Relays-UNCLAMPED", False),))
+def _work(draft: _Draft) -> None:
+    step = draft.step
+    step(*_out(*CLAMPS[:4]))
+    step(*_out("Clamp5", "Clamp6", "Pin1", "Pin2"), until=(("Relays-UNCLAMPED", False),))
     step(
         switch={"Inverter-RUN": True},
         until=(("Relays-CLAMPED", True), ("Inverter-AT_SPEED", True)),
     )
-    step(*back("Index"))
-    step(*out("Table"), until=(("Relays-TABLE_LOCKED", False),), watchdog_s=7.0)
-    step(*out("Index"))
+    step(*_back("Index"))
+    step(*_out("Table"), until=(("Relays-TABLE_LOCKED", False),), watchdog_s=7.0)
+    step(*_out("Index"))
     step(
         switch={"Hydraulics-LOAD": True},
         until=(("Hydraulics-PRESSURE", True), ("Relays-TABLE_LOCKED", True)),
     )
-    step(*out(*PUNCHES), pause_s=0.6)
-    step(*back(*PUNCHES), switch={"Hydraulics-LOAD": False})
-    step(*out(*DRILLS), until=(("Hydraulics-PRESSURE", False),), watchdog_s=8.0)
-    step(*back(*DRILLS))
-    step(*out("Tap1", "Tap2"), watchdog_s=6.0)
-    step(*back("Tap1", "Tap2"))
+    step(*_out(*PUNCHES), pause_s=0.6)
+    step(*_back(*PUNCHES), switch={"Hydraulics-LOAD": False})
+    step(*_out(*DRILLS), until=(("Hydraulics-PRESSURE", False),), watchdog_s=8.0)
+    step(*_back(*DRILLS))
+    step(*_out("Tap1", "Tap2"), watchdog_s=6.0)
+    step(*_back("Tap1", "Tap2"))
     step(
-        *back("Index"),
+        *_back("Index"),
         switch={"Inverter-RUN": False},
         until=(("Relays-TOOLS_HOME", True), ("Inverter-STANDSTILL", True)),
     )
-    step(*back("Table"), watchdog_s=7.0)
-    step(*out("Index"))
-    step(*back("Pin1", "Pin2"), pause_s=0.4)
-    work = False
-    step(*back(*CLAMPS), until=(("Relays-PINS_IN", False),))
-    step(*back("Guard"), until=(("Relays-UNCLAMPED", True),))
-    step(*out("Eject1", "Eject2"))
-    step(*out("Removal"))
-    step(*out("Grip1"), until=(("Removal-PART_ON", True),))
-    step(*back("Eject1", "Eject2"))
-    step(*back("Removal"))
-    step(*back("Grip1"), switch={"Outfeed-BELT": True}, until=(("Removal-PART_ON", False),))
+    step(*_back("Table"), watchdog_s=7.0)
+    step(*_out("Index"))
+    step(*_back("Pin1", "Pin2"), pause_s=0.4)
+
+
+def _set_up(draft: _Draft) -> None:
+    step = draft.step
+    step(*_back(*CLAMPS), until=(("Relays-PINS_IN", False),))
+    step(*_back("Guard"), until=(("Relays-UNCLAMPED", True),))
+    step(*_out("Eject1", "Eject2"))
+    step(*_out("Removal"))
+    step(*_out("Grip1"), until=(("Removal-PART_ON", True),))
+    step(*_back("Eject1", "Eject2"))
+    step(*_back("Removal"))
+    step(*_back("Grip1"), switch={"Outfeed-BELT": True}, until=(("Removal-PART_ON", False),))
     step(until=(("Outfeed-EXIT", True),), watchdog_s=8.0)
     step(switch={"Infeed-BELT": True}, until=(("Infeed-WAITING", True),), watchdog_s=None)
-    step(*back("Stop1"), until=(("Infeed-AT_STOP", True),), watchdog_s=8.0)
+    step(*_back("Stop1"), until=(("Infeed-AT_STOP", True),), watchdog_s=8.0)
     step(
-        *out("Stop1", "Lift1", "Lift2"),
+        *_out("Stop1", "Lift1", "Lift2"),
         switch={"Infeed-BELT": False, "Outfeed-BELT": False},
     )
-    step(*out("Grip2"), until=(("Transfer-PART_ON", True),))
-    step(*out("Transfer"))
-    step(*out("Slide1", "Slide2"))
-    step(*back("Grip2"), until=(("Transfer-PART_ON", False),))
-    step(*back("Transfer"))
-    step(*back("Lift1", "Lift2", "Slide1", "Slide2"))
-    step(*out("Centre1", "Centre2"))
-    step(*back("Centre1", "Centre2"))
-    step(*out("Guard"), switch={"OilPump-LUBRICATE": True}, until=(("OilPump-FLOW", True),))
+    step(*_out("Grip2"), until=(("Transfer-PART_ON", True),))
+    step(*_out("Transfer"))
+    step(*_out("Slide1", "Slide2"))
+    step(*_back("Grip2"), until=(("Transfer-PART_ON", False),))
+    step(*_back("Transfer"))
+    step(*_back("Lift1", "Lift2", "Slide1", "Slide2"))
+    step(*_out("Centre1", "Centre2"))
+    step(*_back("Centre1", "Centre2"))
+    step(*_out("Guard"), switch={"OilPump-LUBRICATE": True}, until=(("OilPump-FLOW", True),))
     step(
         switch={"OilPump-LUBRICATE": False},
         until=(("OilPump-FLOW", False), ("Relays-PRESS_FREE", True)),
         pause_s=0.5,
     )
-    # The chart is a ring: what its end has reached is held when it begins again.
-    first = dict(held)
-    ring: list[Step] = []
-    for each in steps:
-        for output in each.switch:
-            first.pop(output.split("-")[0], None)
-        ring.append(
-            Step(
-                each.work,
-                each.switch,
-                each.until,
-                each.watchdog_s,
-                each.pause_s,
-                held=first | each.held,
-            )
-        )
-    return tuple(ring)
+
+
+def _steps() -> tuple[Step, ...]:
+    draft = _Draft()
+    _work(draft)
+    draft.work = False
+    _set_up(draft)
+    return draft.ring()
 
 
 STEPS = _steps()

@@ -10,13 +10,21 @@ from runglight.plants.press.symbols import INPUTS, OUTPUTS
 FILTER_NS = nanoseconds(0.1)
 """A sensor that should stay on may flicker for this long."""
 
-MUST_BE_ON = tuple(
-    symbol.short_name
-    for symbol in INPUTS
-    if (symbol.group == "Checks" and symbol.device not in ("OilPump", "Panel"))
-    and not symbol.device.startswith("Reserve")
-    and symbol.short_name != "Hydraulics-PRESSURE"
-) + ("OilPump-TANK_OK", "Inverter-READY", "Inverter-NO_FAULT", "Infeed-MOTOR_OK", "Outfeed-MOTOR_OK")
+MUST_BE_ON = (
+    *(
+        symbol.short_name
+        for symbol in INPUTS
+        if symbol.group == "Checks"
+        and symbol.device not in ("OilPump", "Panel")
+        and not symbol.device.startswith("Reserve")
+        and symbol.short_name != "Hydraulics-PRESSURE"
+    ),
+    "OilPump-TANK_OK",
+    "Inverter-READY",
+    "Inverter-NO_FAULT",
+    "Infeed-MOTOR_OK",
+    "Outfeed-MOTOR_OK",
+)
 """Checks without which the machine stops at once."""
 
 _NUMBER = {symbol.short_name: number for number, symbol in enumerate(INPUTS)}

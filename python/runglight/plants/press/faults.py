@@ -20,57 +20,55 @@ class Failure:
     shows: tuple[str, ...]
 
 
+_Pair = tuple[FaultDescription, Failure]
+
+
 def _fault(
-    number: int, name: str, kind: FaultKind, target: str, shows: tuple[str, ...], sentence: str
-) -> tuple[FaultDescription, Failure]:
+    number: int, name: str, kind: FaultKind, sentence: str, *, target: str, shows: tuple[str, ...]
+) -> _Pair:
     symbol = _BY_NAME[shows[0]]
     return (
-        FaultDescription(
-            number, name, sentence, kind, symbol.group, symbol.device, symbol.signal
-        ),
+        FaultDescription(number, name, sentence, kind, symbol.group, symbol.device, symbol.signal),
         Failure(target, shows),
     )
 
 
-def _dead(number: int, sensor: str) -> tuple[FaultDescription, Failure]:
-    name = sensor.lower().replace("_", "-")
+def _sensor(number: int, sensor: str, kind: FaultKind, ending: str, sentence: str) -> _Pair:
+    name = f"{sensor.lower().replace('_', '-')}-{ending}"
+    return _fault(number, name, kind, sentence, target=sensor, shows=(sensor,))
+
+
+def _dead(number: int, sensor: str) -> _Pair:
     sentence = f"The sensor {sensor} no longer turns on."
-    return _fault(number, f"{name}-dead", FaultKind.SENSOR_DEAD, sensor, (sensor,), sentence)
+    return _sensor(number, sensor, FaultKind.SENSOR_DEAD, "dead", sentence)
 
 
-def _stuck(number: int, sensor: str) -> tuple[FaultDescription, Failure]:
-    name = sensor.lower().replace("_", "-")
+def _stuck(number: int, sensor: str) -> _Pair:
     sentence = f"The sensor {sensor} sticks at on."
-    return _fault(
-        number, f"{name}-stuck-on", FaultKind.SENSOR_STUCK_ON, sensor, (sensor,), sentence
-    )
+    return _sensor(number, sensor, FaultKind.SENSOR_STUCK_ON, "stuck-on", sentence)
 
 
-def _glitch(number: int, sensor: str) -> tuple[FaultDescription, Failure]:
-    name = sensor.lower().replace("_", "-")
+def _glitch(number: int, sensor: str) -> _Pair:
     sentence = f"The sensor {sensor} drops out for half a second while it should hold."
-    return _fault(number, f"{name}-drops", FaultKind.SENSOR_GLITCH, sensor, (sensor,), sentence)
+    return _sensor(number, sensor, FaultKind.SENSOR_GLITCH, "drops", sentence)
 
 
-def _cylinder(number: int, device: str, *, slow: bool) -> tuple[FaultDescription, Failure]:
+def _trip(number: int, sensor: str, sentence: str) -> _Pair:
+    return _sensor(number, sensor, FaultKind.PROTECTION_TRIP, "lost", sentence)
+
+
+def _cylinder(number: int, device: str, *, slow: bool) -> _Pair:
     both = (f"{device}-ADV", f"{device}-RET")
     kind = FaultKind.ACTUATOR_SLOW if slow else FaultKind.ACTUATOR_DEAD
     name = f"{device.lower()}-{'slow' if slow else 'dead'}"
     what = "moves at a tenth of its speed" if slow else "no longer moves"
-    return _fault(number, name, kind, device, both, f"{device} {what}.")
+    return _fault(number, name, kind, f"{device} {what}.", target=device, shows=both)
 
 
-def _trip(number: int, sensor: str, sentence: str) -> tuple[FaultDescription, Failure]:
-    name = sensor.lower().replace("_", "-")
+def _jam(number: int, what: str, shows: tuple[str, ...], sentence: str) -> _Pair:
     return _fault(
-        number, f"{name}-lost", FaultKind.PROTECTION_TRIP, sensor, (sensor,), sentence
+        number, f"{what.lower()}-jammed", FaultKind.JAM, sentence, target=what, shows=shows
     )
-
-
-def _jam(
-    number: int, what: str, shows: tuple[str, ...], sentence: str
-) -> tuple[FaultDescription, Failure]:
-    return _fault(number, f"{what.lower()}-jammed", FaultKind.JAM, what, shows, sentence)
 
 
 _ALL = (

@@ -9,6 +9,9 @@ from runglight.plants.press.controller import PressController
 from runglight.plants.press.plant import PressPlant
 from runglight.plants.press.symbols import ACTUATOR_NAMES
 
+MOVABLE = tuple(name for name in ACTUATOR_NAMES if name not in ("Stop1", "Grip1", "Grip2"))
+"""What an operator moves without losing a part."""
+
 JOG_S = 3.0
 """A jogged cylinder goes there and back within this time each way."""
 
@@ -42,7 +45,7 @@ class Operator:
         self._later(at_s, self._mend)
         at_s += self._random.uniform(10.0, 30.0)
         for _ in range(self._random.randrange(4)):
-            name = self._random.choice(ACTUATOR_NAMES)
+            name = self._random.choice(MOVABLE)
             self._later(at_s, partial(self._jog, name))
             at_s += JOG_S
             self._later(at_s, self._controller.jog.clear)

@@ -184,6 +184,9 @@ class PressPlant:
             self._pressure(self._on["Hydraulics-LOAD"])
         if "OilPump-LUBRICATE" in changed:
             self._lubricate(self._on["OilPump-LUBRICATE"])
+        if "Outfeed-BELT" in changed and not self._on["Outfeed-BELT"]:
+            # Someone takes the part off the end of the belt once it stands.
+            self._after(0.6, "Outfeed-EXIT", False)
         if "Stop1-VALVE" in changed and not self._on["Stop1-VALVE"]:
             self._let_part_in()
         if "Grip1-VALVE" in changed:
@@ -244,7 +247,6 @@ class PressPlant:
         self._after(0.8, "Outfeed-ENTRY", True)
         self._after(1.7, "Outfeed-ENTRY", False)
         self._after(3.0, "Outfeed-EXIT", True)
-        self._after(4.6, "Outfeed-EXIT", False)
 
     def _part_comes(self, first: bool = False) -> None:
         random = self._feeding

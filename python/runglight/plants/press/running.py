@@ -111,9 +111,7 @@ class RunningPress(ScannedPlant[bool]):
     def acting(self) -> tuple[FaultDescription, ...]:
         """Failures that have begun and are not mended."""
         return tuple(
-            each.fault
-            for each in self._injected
-            if each.began_ns is not None and not each.passed
+            each.fault for each in self._injected if each.began_ns is not None and not each.passed
         )
 
     # what is no failure
@@ -126,9 +124,7 @@ class RunningPress(ScannedPlant[bool]):
         """The next motion of a cylinder is slower, within what the watchdogs allow."""
         cylinder = self._plant.cylinders[device]
         cylinder.slow_factor = slow_factor
-        self._plant.agenda.after(
-            nanoseconds(60.0), partial(setattr, cylinder, "slow_factor", 1.0)
-        )
+        self._plant.agenda.after(nanoseconds(60.0), partial(setattr, cylinder, "slow_factor", 1.0))
 
     def bounce(self, device: str) -> None:
         """The sensor that a cylinder next arrives at flickers for a few hundredths of a second."""

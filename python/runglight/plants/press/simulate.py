@@ -50,7 +50,11 @@ class PressLog:
         time_ns = [self._start_ns] * len(off) + self._time_ns + [end_ns]
         value = [0] * len(off) + self._value
         last = next(
-            (v for n, v in zip(reversed(self._signal), reversed(self._value), strict=True) if not n),
+            (
+                v
+                for n, v in zip(reversed(self._signal), reversed(self._value), strict=True)
+                if not n
+            ),
             0,
         )
         return PlantRun(
@@ -92,9 +96,7 @@ def simulate_press(
         raise ValueError(f"a fault can begin in cycle 1 to {cycles}, not in cycle {first}")
     press = RunningPress(start_ns, seed)
     log = PressLog(press, start_ns)
-    queue = [
-        (first + FAULT_EVERY * place, fault.number) for place, fault in enumerate(faults)
-    ]
+    queue = [(first + FAULT_EVERY * place, fault.number) for place, fault in enumerate(faults)]
     now_ns = start_ns
     while press.cycles < cycles:
         while queue and press.cycles + 1 >= queue[0][0]:

@@ -1,6 +1,4 @@
-"""The signals of the press: 27 input bytes as in Guim & Dias 2023, section 3.3, its valves, and
-the memory bits that say what the machine is about.
-"""
+"""The signals of the press: 27 input bytes as in Guim & Dias 2023, section 3.3, and its valves."""
 
 from runglight.plants.symbols import Symbol
 
