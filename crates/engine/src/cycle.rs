@@ -8,6 +8,7 @@ pub mod address;
 pub mod auto;
 pub mod dot;
 pub mod image;
+pub mod lanes;
 pub mod learn;
 pub mod localise;
 pub mod machine;

@@ -1,10 +1,10 @@
 //! Proposed regions: bits that switch together.
 //!
-//! Two bits switch together where one often changes right after the other. Bits are joined, the
-//! closest pair first, while a region stays small: regions of a byte keep sequences stable
+//! Two bits switch together where most changes of either lie close to one of the other's, and the
+//! closer the better. Bits are joined, the closest pair first, while a region stays small: regions of a byte keep sequences stable
 //! (section 3.3). Bits that never change are watched by the byte they lie in.
 
-use std::collections::{BTreeMap, HashMap};
+use std::collections::{BTreeMap, HashMap, VecDeque};
 
 use crate::log::{ChangeLog, SECOND};
 
@@ -12,8 +12,10 @@ use super::address::Place;
 use super::parameters::CycleParameters;
 use super::regions::{Directory, Modes, Region};
 
-/// Least share of the rarer bit's changes that must lie beside the other's.
-const TOGETHER: f64 = 0.5;
+/// Least closeness, from 0 (never within the time that counts) to 1 (always in the same reading).
+const TOGETHER: f64 = 0.4;
+/// Changes looked back on.
+const LOOKED_BACK_ON: usize = 16;
 
 /// Regions of all bits but outputs and the mode bits; the paper watches inputs only, since an
 /// output that fails shows in the sensor that does not answer.
@@ -36,8 +38,8 @@ pub fn propose(
     let mut pairs: Vec<(f64, u32, u32)> = beside
         .into_iter()
         .map(|((a, b), both)| {
-            let rarer = changes[a as usize].min(changes[b as usize]).max(1);
-            (f64::from(both) / f64::from(rarer), a, b)
+            let more = changes[a as usize].max(changes[b as usize]).max(1);
+            (both / f64::from(more), a, b)
         })
         .filter(|pair| pair.0 >= TOGETHER)
         .collect();
@@ -92,9 +94,9 @@ pub fn propose(
         .collect()
 }
 
-type Beside = HashMap<(u32, u32), u32>;
+type Beside = HashMap<(u32, u32), f64>;
 
-/// Changes per bit, and how often one bit's change was followed at once by another's.
+/// Changes per bit, and the sum of how close the changes of two bits came.
 fn count(
     logs: &[&ChangeLog],
     maps: &[Vec<Option<u32>>],
@@ -106,7 +108,7 @@ fn count(
     let mut beside = Beside::new();
     for (log, map) in logs.iter().zip(maps) {
         let mut values: Vec<Option<bool>> = vec![None; watched.len()];
-        let mut last: Option<(u32, i64)> = None;
+        let mut recent: VecDeque<(u32, i64)> = VecDeque::new();
         for ((&time, &signal), &value) in log.time.iter().zip(&log.signal).zip(&log.value) {
             let Some(bit) = map[signal as usize].filter(|&bit| watched[bit as usize]) else {
                 continue;
@@ -116,13 +118,22 @@ fn count(
                 continue;
             }
             changes[bit as usize] += 1;
-            if let Some((other, since)) = last
-                && other != bit
-                && time.saturating_sub(since) <= together
-            {
-                *beside.entry((bit.min(other), bit.max(other))).or_default() += 1;
+            let mut met: Vec<u32> = vec![bit];
+            for &(other, since) in recent.iter().rev() {
+                let apart = time.saturating_sub(since);
+                if apart > together {
+                    break;
+                }
+                if !met.contains(&other) {
+                    met.push(other);
+                    let close = 1.0 - apart as f64 / together.max(1) as f64;
+                    *beside.entry((bit.min(other), bit.max(other))).or_default() += close;
+                }
             }
-            last = Some((bit, time));
+            recent.push_back((bit, time));
+            if recent.len() > LOOKED_BACK_ON {
+                recent.pop_front();
+            }
         }
     }
     (changes, beside)

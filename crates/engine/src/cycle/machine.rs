@@ -1,6 +1,8 @@
 //! The weighted automaton of one region in one phase: several initial and final states, and how
 //! often each transition was seen (section 3.4).
 
+use std::borrow::Cow;
+use std::collections::btree_map::Entry;
 use std::collections::{BTreeMap, HashMap};
 
 use crate::log::Nanoseconds;
@@ -30,7 +32,19 @@ pub struct Then {
 /// Positions that lie further apart belong to different moments of the sequence.
 const ONE_MOMENT: u32 = 6;
 
+/// Passes from which on one way of entering a state speaks for itself.
+const EVIDENCE: u64 = 30;
+
 impl Then {
+    fn add(&mut self, other: &Self) {
+        self.count += other.count;
+        self.shortest = self.shortest.min(other.shortest);
+        self.longest_quiet = self.longest_quiet.max(other.longest_quiet);
+        for (&position, &count) in &other.positions {
+            *self.positions.entry(position).or_default() += count;
+        }
+    }
+
     /// When it is next due after a position: the mean of that moment, and how often it was.
     /// `None` where it only ever came earlier.
     pub fn due(&self, now: Option<u32>) -> Option<(f64, u64)> {
@@ -221,6 +235,41 @@ impl Machine {
             Came::First => &self.nodes[state as usize].then,
             Came::By(transition) => &self.transitions[transition as usize].then,
         }
+    }
+
+    /// What followed a state and how long it was kept at most: of the way it was entered, or, where
+    /// that was seen too seldom to tell, of all ways together.
+    pub fn outlook(&self, state: State, came: Came) -> (Nanoseconds, Cow<'_, [Then]>) {
+        let node = &self.nodes[state as usize];
+        let (passes, stay) = match came {
+            Came::By(transition) => {
+                let transition = &self.transitions[transition as usize];
+                (transition.weight, transition.longest_stay)
+            }
+            Came::First => (node.initial, node.longest_first_stay),
+            Came::Unknown => (0, 0),
+        };
+        if passes >= EVIDENCE {
+            return (stay, Cow::Borrowed(self.then(state, came)));
+        }
+        let mut stay = node.longest_first_stay;
+        let mut pooled: BTreeMap<State, Then> = BTreeMap::new();
+        let mut pool = |all: &[Then]| {
+            for then in all {
+                match pooled.entry(then.to) {
+                    Entry::Vacant(vacant) => {
+                        vacant.insert(then.clone());
+                    }
+                    Entry::Occupied(mut occupied) => occupied.get_mut().add(then),
+                }
+            }
+        };
+        pool(&node.then);
+        for transition in self.transitions.iter().filter(|t| t.to == state) {
+            pool(&transition.then);
+            stay = stay.max(transition.longest_stay);
+        }
+        (stay, Cow::Owned(pooled.into_values().collect()))
     }
 
     /// Transitions out of a state, with their numbers; those that followed it when it was entered

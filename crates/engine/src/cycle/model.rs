@@ -113,8 +113,10 @@ impl CycleModel {
         machines: Vec<[Machine; 2]>,
     ) -> Self {
         let wiring = Wiring::new(bits.len(), &regions, &modes);
-        let independence =
-            machines.iter().map(|of| [Independence::of(&of[0]), Independence::of(&of[1])]).collect();
+        let independence = machines
+            .iter()
+            .map(|of| [Independence::of(&of[0]), Independence::of(&of[1])])
+            .collect();
         Self {
             bits,
             regions,
@@ -219,7 +221,8 @@ impl CycleModel {
             let width = region.slots.len();
             machines.push([
                 read_machine(region.work, width).ok_or_else(|| damaged("a state or transition"))?,
-                read_machine(region.setup, width).ok_or_else(|| damaged("a state or transition"))?,
+                read_machine(region.setup, width)
+                    .ok_or_else(|| damaged("a state or transition"))?,
             ]);
             regions.push(Region { name: region.name, slots: region.slots });
         }

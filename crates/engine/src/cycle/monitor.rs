@@ -18,46 +18,46 @@ use crate::signal_state::events::Row;
 use crate::signal_state::monitor::MonitorError;
 
 use super::image::{Image, Phase};
+use super::lanes::{LOST, Lanes};
 use super::machine::{Came, State};
 use super::model::CycleModel;
 use super::parameters::Comparison;
 use super::rate::Rate;
 use super::regions::Word;
 
-/// A region that is not on its automaton.
-const LOST: State = State::MAX;
-/// A stay nothing was learned of.
-const UNLEARNED: Nanoseconds = -1;
-
-/// Where a region stands.
+/// Where a region stands: what changes with every step, in the numbers of [`Lanes`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
-struct Here {
-    state: State,
+struct Stand {
+    state: u32,
+    came: u32,
+    since: Nanoseconds,
+    /// Where it was before.
+    before_state: u32,
+    before_came: u32,
+    before_since: Nanoseconds,
     /// The word is not the state's: some changes came before their turn.
     ahead: bool,
-    since: Nanoseconds,
-    /// The longest learned stay here, having come this way.
-    stay: Nanoseconds,
-    /// How it came here.
-    came: Came,
-    /// Where it was before, how it had come there, and since when.
-    before: (State, Came, Nanoseconds),
 }
 
-const NOWHERE: Here = Here {
+const NOWHERE: Stand = Stand {
     state: LOST,
-    ahead: false,
+    came: u32::MAX,
     since: 0,
-    stay: UNLEARNED,
-    came: Came::Unknown,
-    before: (LOST, Came::Unknown, 0),
+    before_state: LOST,
+    before_came: u32::MAX,
+    before_since: 0,
+    ahead: false,
 };
 
-impl Here {
-    /// A place nothing is known of but the state.
-    fn at(state: State, since: Nanoseconds) -> Self {
-        Self { state, since, ..NOWHERE }
-    }
+/// Where a region stands, in the numbers of its machine.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+struct Here {
+    state: State,
+    came: Came,
+    ahead: bool,
+    since: Nanoseconds,
+    /// Where it was before, how it had come there, and since when.
+    before: (State, Came, Nanoseconds),
 }
 
 /// A finding whose end is not known yet.
@@ -91,7 +91,7 @@ struct Watch {
     by_hand: bool,
     /// Mode `word` after a start or a gap: a sequence is followed from its beginning.
     await_edge: bool,
-    here: Vec<Here>,
+    here: Vec<Stand>,
     /// Changes of the machine since the sequence began, where it was followed from there.
     position: Option<u32>,
     /// When any region last changed.
@@ -123,6 +123,7 @@ const STATE_VERSION: u32 = 1;
 #[derive(Debug, Clone)]
 pub struct Monitor {
     model: Arc<CycleModel>,
+    lanes: Lanes,
     fingerprint: u64,
     element: bool,
     alarm_within: Nanoseconds,
@@ -159,6 +160,7 @@ impl Monitor {
             rates: BTreeMap::new(),
         };
         Self {
+            lanes: Lanes::of(&model.machines),
             fingerprint: model.fingerprint(),
             element: model.parameters.mode == Comparison::Element,
             alarm_within: (model.parameters.alarm_within_s * SECOND as f64) as i64,
@@ -267,6 +269,27 @@ impl Monitor {
             self.pass_deadlines(time);
         }
         self.watch.now = time;
+    }
+
+    /// Where a region stands, as its machine numbers it.
+    fn here(&self, region: usize, phase: Phase) -> Here {
+        let stand = self.watch.here[region];
+        let own = |state, came| self.lanes.own(region, phase.index(), state, came);
+        let (state, came) = own(stand.state, stand.came);
+        let (before_state, before_came) = own(stand.before_state, stand.before_came);
+        Here {
+            state,
+            came,
+            ahead: stand.ahead,
+            since: stand.since,
+            before: (before_state, before_came, stand.before_since),
+        }
+    }
+
+    /// Places a region without a past.
+    fn stand(&mut self, region: usize, phase: Phase, state: State, came: Came, since: Nanoseconds) {
+        let (state, came) = self.lanes.flat(region, phase.index(), state, came);
+        self.watch.here[region] = Stand { state, came, since, ..NOWHERE };
     }
 
     fn word(&self, region: usize) -> Word {

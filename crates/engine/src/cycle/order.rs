@@ -139,7 +139,15 @@ impl<'a> Search<'a> {
         from: State,
         word: Word,
     ) -> Self {
-        Self { machine, independence, from, came: Came::Unknown, word, overtaken: Vec::new(), steps: 0 }
+        Self {
+            machine,
+            independence,
+            from,
+            came: Came::Unknown,
+            word,
+            overtaken: Vec::new(),
+            steps: 0,
+        }
     }
 
     fn overtaken(mut self) -> Option<Vec<Change>> {

@@ -103,8 +103,7 @@ mod tests {
     fn growth_tells_once_a_window() {
         let mut rate = Rate::default();
         assert_eq!(rate.found(500, 100, 0.01, 216), None);
-        let told: Vec<Rise> =
-            (2000..2060).filter_map(|s| rate.found(s, 100, 0.01, 216)).collect();
+        let told: Vec<Rise> = (2000..2060).filter_map(|s| rate.found(s, 100, 0.01, 216)).collect();
         assert_eq!(told.len(), 1);
         assert!(told[0].recent < 10 && told[0].before == 1, "{told:?}");
     }

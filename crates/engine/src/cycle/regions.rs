@@ -223,7 +223,10 @@ impl Directory {
         }
         for region in &regions {
             if region.slots.is_empty() || region.width() > BITS_AT_MOST {
-                return Err(CycleError::Width { region: region.name.clone(), bits: region.width() });
+                return Err(CycleError::Width {
+                    region: region.name.clone(),
+                    bits: region.width(),
+                });
             }
         }
         Ok(regions)

@@ -56,8 +56,8 @@ impl Witnesses {
 }
 
 fn is_event(finding: &Finding) -> bool {
-    !matches!(finding.kind, Kind::Gap | Kind::UnknownSignal)
-        && !(finding.model == Model::Cycle && finding.rank.is_none())
+    let rate = finding.model == Model::Cycle && finding.rank.is_none();
+    !(rate || matches!(finding.kind, Kind::Gap | Kind::UnknownSignal))
 }
 
 fn is_delay(finding: &Finding) -> bool {

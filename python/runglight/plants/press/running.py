@@ -15,8 +15,11 @@ from runglight.plants.press.symbols import OUTPUTS, SYMBOLS
 from runglight.plants.scanned import ScannedPlant
 
 GLITCH_S = 0.5
-GLITCH_AFTER_S = 0.25
-"""A sensor drops out this long after it has arrived, while the program still needs it."""
+GLITCH_AFTER_S = 1.2
+"""A sensor drops out this long after it has arrived: its step is over, and it has to hold."""
+
+GLITCH_TOLD_S = 5.0
+"""An alarm so long after a sensor dropped out has another cause."""
 
 
 @dataclass(slots=True)
@@ -154,7 +157,10 @@ class RunningPress(ScannedPlant[bool]):
         if len(self._controller.alarms) > self._alarms_seen:
             self._alarms_seen = len(self._controller.alarms)
             for each in self._injected:
-                if each.began_ns is not None and not each.passed and each.shown_ns is None:
+                if each.began_ns is None or each.passed or each.shown_ns is not None:
+                    continue
+                glitch = each.fault.kind is FaultKind.SENSOR_GLITCH
+                if not glitch or time_ns - each.began_ns < nanoseconds(GLITCH_TOLD_S):
                     each.shown_ns = time_ns
             self._operator.come()
 

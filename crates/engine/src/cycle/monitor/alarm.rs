@@ -2,13 +2,14 @@
 
 use std::sync::Arc;
 
+use crate::cycle::lanes::LOST;
 use crate::cycle::localise;
 use crate::cycle::message;
 use crate::finding::{Severity, State as Standing};
 use crate::log::{Nanoseconds, SECOND};
 
 use super::report::Departure;
-use super::{Here, LOST, Monitor, NOWHERE, Open, UNLEARNED};
+use super::{Here, Monitor, NOWHERE, Open};
 
 /// A machine stops within this time of what made it stop, but for what was under way.
 const AFTER_THE_CAUSE: Nanoseconds = SECOND;
@@ -115,12 +116,13 @@ impl Monitor {
         };
         let quiet = time.saturating_sub(self.watch.last_change);
         let mut overdue = Vec::new();
-        for (region, here) in self.watch.here.iter().enumerate() {
-            if here.state == LOST {
+        for region in 0..self.watch.here.len() {
+            if self.watch.here[region].state == LOST {
                 continue;
             }
-            let then = self.model.machine(region, phase).then(here.state, here.came);
-            let stayed = here.stay != UNLEARNED && time.saturating_sub(here.since) > here.stay;
+            let here = self.here(region, phase);
+            let (stay, then) = self.model.machine(region, phase).outlook(here.state, here.came);
+            let stayed = time.saturating_sub(here.since) > stay;
             let due: Vec<(f64, u64)> = then
                 .iter()
                 .filter(|then| stayed || quiet > then.longest_quiet)
@@ -152,8 +154,9 @@ impl Monitor {
                         && took < EARLY_SHARE * then.shortest as f64
                 })
         };
-        let here = self.watch.here.iter().enumerate();
-        here.filter(|(region, here)| here.since >= since && is_early(*region, here))
+        (0..self.watch.here.len())
+            .map(|region| (region, self.here(region, phase)))
+            .filter(|(region, here)| here.since >= since && is_early(*region, here))
             .map(|(region, here)| (here.since, region))
             .collect()
     }

@@ -3,13 +3,14 @@
 use std::sync::Arc;
 
 use crate::cycle::image::Phase;
+use crate::cycle::lanes::LOST;
 use crate::cycle::machine::{Came, Machine, State};
 use crate::cycle::order;
 use crate::cycle::regions::Word;
 use crate::log::Nanoseconds;
 
 use super::report::Departure;
-use super::{Here, LOST, Monitor, NOWHERE, UNLEARNED};
+use super::{Here, Monitor, NOWHERE, Stand};
 
 impl Monitor {
     /// Judges the reading that is complete.
@@ -52,19 +53,18 @@ impl Monitor {
 
     #[inline]
     fn step(&mut self, region: usize, phase: Phase, time: Nanoseconds) {
-        let here = self.watch.here[region];
+        let here = &mut self.watch.here[region];
         if here.state != LOST && !here.ahead {
-            let word = self.word(region);
-            let machine = self.model.machine(region, phase);
-            if let Some(number) = machine.step(here.state, word) {
-                let transition = &machine.transitions[number as usize];
-                self.watch.here[region] = Here {
-                    state: transition.to,
-                    ahead: false,
+            let word = self.watch.image.words[region];
+            if let Some((transition, state)) = self.lanes.step(here.state, word) {
+                *here = Stand {
+                    state,
+                    came: transition,
                     since: time,
-                    stay: transition.longest_stay,
-                    came: Came::By(number),
-                    before: (here.state, here.came, here.since),
+                    before_state: here.state,
+                    before_came: here.came,
+                    before_since: here.since,
+                    ahead: false,
                 };
                 if !self.watch.open.is_empty() {
                     self.known_step(region, time);
@@ -80,7 +80,7 @@ impl Monitor {
     fn step_aside(&mut self, region: usize, phase: Phase, time: Nanoseconds) {
         let model = Arc::clone(&self.model);
         let machine = model.machine(region, phase);
-        let here = self.watch.here[region];
+        let here = self.here(region, phase);
         let word = self.word(region);
         if here.state == LOST {
             if !self.watch.await_edge {
@@ -96,8 +96,7 @@ impl Monitor {
             if order::skipped(machine, here.state, word)
                 && let Some(state) = machine.find(word)
             {
-                let stay = longest_stay(machine, state);
-                self.watch.here[region] = Here { stay, ..Here::at(state, time) };
+                self.stand(region, phase, state, Came::Unknown, time);
                 if !self.watch.open.is_empty() {
                     self.known_step(region, time);
                 }
@@ -116,10 +115,10 @@ impl Monitor {
     /// Stands where the word says, if it is known.
     pub(super) fn synchronise(&mut self, region: usize, phase: Phase, time: Nanoseconds) {
         let word = self.word(region);
-        self.watch.here[region] = match self.model.machine(region, phase).find(word) {
-            Some(state) => Here::at(state, time),
-            None => NOWHERE,
-        };
+        match self.model.machine(region, phase).find(word) {
+            Some(state) => self.stand(region, phase, state, Came::Unknown, time),
+            None => self.watch.here[region] = NOWHERE,
+        }
     }
 
     fn synchronise_all(&mut self, time: Nanoseconds) {
@@ -189,10 +188,10 @@ impl Monitor {
 
     /// The sequence of a region ends; true where it may end so.
     fn end(&mut self, region: usize, phase: Option<Phase>, time: Nanoseconds) -> bool {
-        let here = self.watch.here[region];
-        let Some(phase) = phase.filter(|_| here.state != LOST) else {
+        let Some(phase) = phase.filter(|_| self.watch.here[region].state != LOST) else {
             return true;
         };
+        let here = self.here(region, phase);
         let model = Arc::clone(&self.model);
         let machine = model.machine(region, phase);
         if machine.is_final(here.state) && !here.ahead
@@ -215,8 +214,7 @@ impl Monitor {
         let word = self.word(region);
         let state = machine.find(word);
         if let Some(state) = state.filter(|&state| machine.is_initial(state)) {
-            let stay = machine.nodes[state as usize].longest_first_stay;
-            self.watch.here[region] = Here { stay, came: Came::First, ..Here::at(state, time) };
+            self.stand(region, phase, state, Came::First, time);
             return;
         }
         // Nothing was learned of this phase: nothing can be said of it.
@@ -227,12 +225,6 @@ impl Monitor {
         }
         self.synchronise(region, phase, time);
     }
-}
-
-/// The longest learned stay in a state, whichever way it was reached.
-fn longest_stay(machine: &Machine, state: State) -> Nanoseconds {
-    let arrivals = machine.transitions.iter().filter(|t| t.to == state).map(|t| t.longest_stay);
-    arrivals.max().unwrap_or(UNLEARNED)
 }
 
 /// The edge and a change of the region may have met in another order than learned.

@@ -74,8 +74,14 @@ impl Monitor {
         let model = Arc::clone(&self.model);
         let machine = model.machine(region, phase);
         let shown = &model.regions[region];
-        let here = self.watch.here[region];
+        let here = self.here(region, phase);
         let word = self.word(region);
+        let stay_s = match departure {
+            Departure::Overdue => {
+                Some(machine.outlook(here.state, here.came).0 as f64 / SECOND as f64)
+            }
+            _ => None,
+        };
         let (from, seen) = match departure {
             Departure::Transition { from } => (Some(from), word),
             Departure::End { at } => (Some(at), machine.word(at)),
@@ -84,16 +90,16 @@ impl Monitor {
             Departure::Early => (Some(here.before.0), word),
         };
         let possible: Vec<(Word, u64)> = match departure {
-            // The paper looks at the state alone; how it was entered tells more.
-            Departure::Overdue if self.element => {
-                let then = machine.then(here.state, here.came);
+            // Beyond the paper, which waits for a word that never comes.
+            Departure::Overdue => {
+                let (_, then) = machine.outlook(here.state, here.came);
                 let due = |then: &Then| {
                     let (_, count) = then.due(self.watch.position)?;
                     Some((machine.word(then.to), count))
                 };
                 then.iter().filter_map(due).collect()
             }
-            Departure::Transition { .. } | Departure::Overdue => {
+            Departure::Transition { .. } => {
                 let from = from.unwrap_or_default();
                 machine.from(from).iter().map(|t| (machine.word(t.to), t.weight)).collect()
             }
@@ -151,13 +157,12 @@ impl Monitor {
             .map(|c| Expected {
                 state: state_name(c.word),
                 probability: c.popularity,
-                limit_s: (departure == Departure::Overdue && here.stay >= 0)
-                    .then_some(here.stay as f64 / SECOND as f64),
+                limit_s: stay_s,
             })
             .collect();
         if departure == Departure::Overdue {
             finding.observed_s = Some(time.saturating_sub(here.since) as f64 / SECOND as f64);
-            finding.limit_s = Some(here.stay as f64 / SECOND as f64);
+            finding.limit_s = stay_s;
         }
         finding.path = finding.from.iter().chain(&finding.to).cloned().collect();
         finding.suspects = suspects;
@@ -194,7 +199,7 @@ impl Monitor {
         let independence = &self.model.independence[region][phase.index()];
         let left = machine.word(from);
         let changed = left ^ word;
-        let came = self.watch.here[region].came;
+        let came = self.here(region, phase).came;
         let overtaken = order::overtaken(machine, independence, from, came, word);
         let (mut suspects, came) = match overtaken {
             Some(bits) if !bits.is_empty() => {
