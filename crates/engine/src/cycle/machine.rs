@@ -106,6 +106,29 @@ pub enum Came {
     By(u32),
 }
 
+/// What is known of a stay in a state.
+#[derive(Debug, Clone)]
+pub struct Outlook<'a> {
+    /// How often the state was entered so.
+    pub passes: u64,
+    /// The longest stay.
+    pub stay: Nanoseconds,
+    /// What followed.
+    pub then: Cow<'a, [Then]>,
+}
+
+/// Share of passes that another change must have followed, for it to be awaited: elsewhere the
+/// sequence may as well end here.
+const AWAITED_SHARE: f64 = 0.95;
+
+impl Outlook<'_> {
+    /// True where the region itself goes on from here.
+    pub fn goes_on(&self) -> bool {
+        let followed: u64 = self.then.iter().map(|then| then.count).sum();
+        followed as f64 >= AWAITED_SHARE * self.passes as f64
+    }
+}
+
 /// The automaton.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Machine {
@@ -239,7 +262,7 @@ impl Machine {
 
     /// What followed a state and how long it was kept at most: of the way it was entered, or, where
     /// that was seen too seldom to tell, of all ways together.
-    pub fn outlook(&self, state: State, came: Came) -> (Nanoseconds, Cow<'_, [Then]>) {
+    pub fn outlook(&self, state: State, came: Came) -> Outlook<'_> {
         let node = &self.nodes[state as usize];
         let (passes, stay) = match came {
             Came::By(transition) => {
@@ -250,8 +273,9 @@ impl Machine {
             Came::Unknown => (0, 0),
         };
         if passes >= EVIDENCE {
-            return (stay, Cow::Borrowed(self.then(state, came)));
+            return Outlook { passes, stay, then: Cow::Borrowed(self.then(state, came)) };
         }
+        let mut passes = node.initial;
         let mut stay = node.longest_first_stay;
         let mut pooled: BTreeMap<State, Then> = BTreeMap::new();
         let mut pool = |all: &[Then]| {
@@ -267,9 +291,10 @@ impl Machine {
         pool(&node.then);
         for transition in self.transitions.iter().filter(|t| t.to == state) {
             pool(&transition.then);
+            passes += transition.weight;
             stay = stay.max(transition.longest_stay);
         }
-        (stay, Cow::Owned(pooled.into_values().collect()))
+        Outlook { passes, stay, then: Cow::Owned(pooled.into_values().collect()) }
     }
 
     /// Transitions out of a state, with their numbers; those that followed it when it was entered

@@ -102,6 +102,8 @@ struct Watch {
     /// Sequences watched.
     sequences: u64,
     open: Vec<Open>,
+    /// Findings held back for a moment, and when they were made.
+    held: Vec<(Nanoseconds, Open)>,
     /// Incident that further findings join while something is open.
     incident: Option<String>,
     next_deadline: Nanoseconds,
@@ -155,6 +157,7 @@ impl Monitor {
             never_ends_told: false,
             sequences: 0,
             open: Vec::new(),
+            held: Vec::new(),
             incident: None,
             next_deadline: Nanoseconds::MAX,
             rates: BTreeMap::new(),
@@ -209,6 +212,7 @@ impl Monitor {
     /// Nothing was recorded from `start` to `end`: what follows has no predecessor.
     pub fn gap(&mut self, _start: Nanoseconds, end: Nanoseconds) -> Vec<Finding> {
         self.judge();
+        self.tell_held(Nanoseconds::MAX);
         let watch = &mut self.watch;
         watch.now = watch.now.max(end);
         watch.here.fill(NOWHERE);
@@ -224,6 +228,7 @@ impl Monitor {
     /// The log has ended: judges the running reading. Open findings stay suspected.
     pub fn finish(&mut self) -> Vec<Finding> {
         self.judge();
+        self.tell_held(Nanoseconds::MAX);
         std::mem::take(&mut self.findings)
     }
 

@@ -17,6 +17,10 @@ const AFTER_THE_CAUSE: Nanoseconds = SECOND;
 const EARLY_EVIDENCE: u64 = 10;
 const EARLY_SHARE: f64 = 0.8;
 
+/// Mode `element`: the manual bit follows the key a scan or two later, so what has no alarm is held
+/// back for a moment.
+const HELD_FOR: Nanoseconds = SECOND / 2;
+
 /// How near a cause is to the stop: seen to go wrong just then, awaited since then, long before.
 const NEAR: u8 = 0;
 const AWAITED: u8 = 1;
@@ -40,13 +44,19 @@ impl Monitor {
     /// that wait too long compete for its cause: what went wrong first is class 1, the rest 2.
     #[cold]
     pub(super) fn settle(&mut self, time: Nanoseconds, alarm_rose: bool) {
-        let fresh = std::mem::take(&mut self.fresh);
+        let mut fresh = std::mem::take(&mut self.fresh);
         if !self.watch.alarm {
-            for open in fresh {
-                self.tell_suspected(open, time);
+            if self.element {
+                self.watch.held.extend(fresh.into_iter().map(|open| (time, open)));
+                self.watch_the_clock();
+            } else {
+                for open in fresh {
+                    self.tell_suspected(open, time);
+                }
             }
             return;
         }
+        fresh.extend(std::mem::take(&mut self.watch.held).into_iter().map(|(_, open)| open));
         if !alarm_rose && fresh.is_empty() {
             return;
         }
@@ -62,16 +72,10 @@ impl Monitor {
         {
             causes.push(Cause { near: recent(&open), order: open.finding.time as f64, open, told });
         }
-        if self.element {
-            for (since, region) in self.early(stopped) {
-                let found = self.departed(region, time, Departure::Early);
-                causes.extend(found.map(|open| Cause {
-                    near: NEAR,
-                    order: since as f64,
-                    open,
-                    told: false,
-                }));
-            }
+        for (since, region) in self.early(stopped) {
+            let found = self.departed(region, time, Departure::Early);
+            let order = since as f64;
+            causes.extend(found.map(|open| Cause { near: NEAR, order, open, told: false }));
         }
         for (position, region) in self.overdue(time) {
             let found = self.departed(region, time, Departure::Overdue);
@@ -121,9 +125,13 @@ impl Monitor {
                 continue;
             }
             let here = self.here(region, phase);
-            let (stay, then) = self.model.machine(region, phase).outlook(here.state, here.came);
-            let stayed = time.saturating_sub(here.since) > stay;
-            let due: Vec<(f64, u64)> = then
+            let outlook = self.model.machine(region, phase).outlook(here.state, here.came);
+            if !outlook.goes_on() {
+                continue;
+            }
+            let stayed = time.saturating_sub(here.since) > outlook.stay;
+            let due: Vec<(f64, u64)> = outlook
+                .then
                 .iter()
                 .filter(|then| stayed || quiet > then.longest_quiet)
                 .filter_map(|then| then.due(self.watch.position))
@@ -201,7 +209,8 @@ impl Monitor {
     /// Sets the next time at which something is due without a change.
     pub(super) fn watch_the_clock(&mut self) {
         let opens = self.watch.open.iter().map(|open| open.deadline).min();
-        let due = [opens, self.never_ends_at()];
+        let held = self.watch.held.first().map(|(time, _)| time.saturating_add(HELD_FOR));
+        let due = [opens, held, self.never_ends_at()];
         self.watch.next_deadline = due.into_iter().flatten().min().unwrap_or(Nanoseconds::MAX);
     }
 
@@ -215,6 +224,7 @@ impl Monitor {
     pub(super) fn pass_deadlines(&mut self, now: Nanoseconds) {
         while self.watch.next_deadline <= now {
             let due = self.watch.next_deadline;
+            self.tell_held(due);
             if self.never_ends_at() == Some(due) {
                 self.watch.never_ends_told = true;
                 self.never_ends(due);
@@ -233,6 +243,15 @@ impl Monitor {
                 }
             }
             self.watch_the_clock();
+        }
+    }
+
+    /// Tells what was held back by now.
+    pub(super) fn tell_held(&mut self, now: Nanoseconds) {
+        let due = |time: Nanoseconds| time.saturating_add(HELD_FOR) <= now;
+        while self.watch.held.first().is_some_and(|(time, _)| due(*time)) {
+            let (time, open) = self.watch.held.remove(0);
+            self.tell_suspected(open, time);
         }
     }
 

@@ -146,6 +146,9 @@ impl Monitor {
         let paused = mode.manual || (mode.alarm && self.watch.alarm_handled);
         let paused_before = std::mem::replace(&mut self.watch.paused, paused);
         self.watch.by_hand |= mode.manual;
+        if mode.manual {
+            self.watch.held.clear();
+        }
         if paused {
             self.watch.here.fill(NOWHERE);
             self.watch.sequence_since = None;

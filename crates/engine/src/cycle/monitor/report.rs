@@ -78,7 +78,7 @@ impl Monitor {
         let word = self.word(region);
         let stay_s = match departure {
             Departure::Overdue => {
-                Some(machine.outlook(here.state, here.came).0 as f64 / SECOND as f64)
+                Some(machine.outlook(here.state, here.came).stay as f64 / SECOND as f64)
             }
             _ => None,
         };
@@ -92,7 +92,7 @@ impl Monitor {
         let possible: Vec<(Word, u64)> = match departure {
             // Beyond the paper, which waits for a word that never comes.
             Departure::Overdue => {
-                let (_, then) = machine.outlook(here.state, here.came);
+                let then = machine.outlook(here.state, here.came).then;
                 let due = |then: &Then| {
                     let (_, count) = then.due(self.watch.position)?;
                     Some((machine.word(then.to), count))
