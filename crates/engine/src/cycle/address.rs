@@ -17,10 +17,8 @@ impl Place {
     pub fn parse(address: &str) -> Option<Self> {
         let text = address.trim().trim_start_matches('%').to_ascii_uppercase();
         let (head, last) = split_number(&text)?;
-        if let Some(front) = head.strip_suffix('.')
-            && let Some((area, byte)) = split_number(front)
-            && last.len() == 1
-        {
+        if let Some(front) = head.strip_suffix('.') {
+            let (area, byte) = split_number(front)?;
             let bit: u8 = last.parse().ok().filter(|bit| *bit < 8)?;
             return Some(Self { area: area_of(area), number: byte.parse().ok()?, bit: Some(bit) });
         }
