@@ -21,6 +21,9 @@ const EARLY_SHARE: f64 = 0.8;
 /// back for a moment.
 const HELD_FOR: Nanoseconds = SECOND / 2;
 
+/// Mean positions closer than this are one.
+const TOLD_APART: f64 = 0.75;
+
 /// How near a cause is to the stop: seen to go wrong just then, awaited since then, long before.
 const NEAR: u8 = 0;
 const AWAITED: u8 = 1;
@@ -114,12 +117,15 @@ impl Monitor {
 
     /// Regions that wait longer than they ever did, be it since their own last change or since
     /// anything at all changed; what usually comes first stands first.
+    ///
+    /// Places that lie closer than readings tell apart go by how much longer the region has waited
+    /// than it ever did.
     fn overdue(&self, time: Nanoseconds) -> Vec<(f64, usize)> {
         let Some(phase) = self.watch.phase else {
             return Vec::new();
         };
         let quiet = time.saturating_sub(self.watch.last_change);
-        let mut overdue = Vec::new();
+        let mut overdue: Vec<(f64, usize, f64)> = Vec::new();
         for region in 0..self.watch.here.len() {
             if self.watch.here[region].state == LOST {
                 continue;
@@ -129,7 +135,8 @@ impl Monitor {
             if !outlook.goes_on() {
                 continue;
             }
-            let stayed = time.saturating_sub(here.since) > outlook.stay;
+            let waited = time.saturating_sub(here.since);
+            let stayed = waited > outlook.stay;
             let due: Vec<(f64, u64)> = outlook
                 .then
                 .iter()
@@ -139,11 +146,16 @@ impl Monitor {
             let count: u64 = due.iter().map(|(_, count)| count).sum();
             let sum: f64 = due.iter().map(|(position, count)| position * *count as f64).sum();
             if count > 0 {
-                overdue.push((sum / count as f64, region));
+                let beyond = waited as f64 / outlook.stay.max(1) as f64;
+                overdue.push((sum / count as f64, region, beyond));
             }
         }
         overdue.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
-        overdue
+        let first = overdue.first().map_or(0.0, |first| first.0);
+        let ties = overdue.partition_point(|each| each.0 - first < TOLD_APART);
+        overdue[..ties].sort_by(|a, b| b.2.total_cmp(&a.2));
+        // The order is what counts from here on.
+        (0..).zip(overdue).map(|(order, (_, region, _))| (f64::from(order), region)).collect()
     }
 
     /// Regions whose latest change is a known one that never came so soon.
