@@ -2,7 +2,8 @@
 //! of the same trouble share an incident, so that it is one alarm with two witnesses.
 //!
 //! Like the incidents of the signal-state models, this goes by group and by time: a finding joins
-//! what happened in its group shortly before it began.
+//! what happened in its group shortly before it began, or a class 1 in any group: its alarm has
+//! stopped the whole machine.
 
 use std::collections::{BTreeMap, VecDeque};
 
@@ -19,6 +20,8 @@ const RENAMED_AT_MOST: usize = 1_000;
 pub struct Witnesses {
     /// By group: the incident that is fresh, and its latest finding.
     fresh: BTreeMap<String, (String, Nanoseconds)>,
+    /// The latest class 1: with its alarm the whole machine has stopped, whatever the group.
+    stopped: Option<(String, Nanoseconds)>,
     /// Incidents that turned out to be part of another.
     renamed: VecDeque<(String, String)>,
 }
@@ -35,9 +38,13 @@ impl Witnesses {
         };
         let waited = finding.observed_s.filter(|_| is_delay(finding)).unwrap_or(0.0);
         let began = finding.time.saturating_sub((waited * SECOND as f64) as i64);
-        let fresh = self.fresh.get_mut(group);
-        match fresh {
-            Some((incident, last)) if began.saturating_sub(*last) <= fresh_for => {
+        let is_fresh = |last: Nanoseconds| began.saturating_sub(last) <= fresh_for;
+        let own = self.fresh.get(group).is_some_and(|(_, last)| is_fresh(*last));
+        if let Some(stopped) = self.stopped.clone().filter(|(_, time)| !own && is_fresh(*time)) {
+            self.fresh.insert(group.clone(), stopped);
+        }
+        match self.fresh.get_mut(group) {
+            Some((incident, last)) if is_fresh(*last) => {
                 *last = finding.time.max(*last);
                 if *incident != finding.incident {
                     let incident = incident.clone();
@@ -51,6 +58,9 @@ impl Witnesses {
             _ => {
                 self.fresh.insert(group.clone(), (finding.incident.clone(), finding.time));
             }
+        }
+        if finding.rank == Some(1) {
+            self.stopped = Some((finding.incident.clone(), finding.time));
         }
     }
 }
@@ -102,6 +112,14 @@ mod tests {
             finding(Model::Device, "d", "Press", 1000),
         ];
         assert_eq!(placed(&mut lines)[2], "c");
+    }
+
+    #[test]
+    fn an_alarm_stops_every_group() {
+        let mut both =
+            [finding(Model::Cycle, "c", "Press", 100), finding(Model::Device, "d", "Checks", 101)];
+        both[0].rank = Some(1);
+        assert_eq!(placed(&mut both), ["c", "c"]);
     }
 
     #[test]
