@@ -4,6 +4,7 @@ pub mod agglomerative;
 pub mod csk_means;
 pub mod limits;
 pub mod optimal;
+pub mod shape;
 
 use serde::{Deserialize, Serialize};
 

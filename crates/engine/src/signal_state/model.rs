@@ -71,13 +71,16 @@ impl NominalModel {
         let table = RuleTable::build(&mut rules, &chains, states.len());
         let resolution_s = learned.resolution as f64 / SECOND as f64;
         let evidence = Evidence::of(&rules, &chains, resolution_s);
-        let budget = Budget::of(&parameters, &learned, &rules, &chains);
-        let tail = Tail::new(budget.per_time);
+        let budget = Budget::of(&parameters, &learned, &rules, &table, &chains, &evidence);
+        let tail = Tail::new(budget.per_tail);
         let accepted_without = rules
             .iter()
             .enumerate()
             .filter(|(_, rule)| rule.trigger.is_some())
-            .map(|(index, rule)| (index, limits::adaptive(&rule.clusters, tail, resolution_s)))
+            .map(|(index, rule)| {
+                let shapes = evidence.shapes_without_trigger();
+                (index, limits::adaptive(&rule.clusters, tail, shapes, resolution_s))
+            })
             .collect();
         Self {
             plant,
@@ -166,7 +169,8 @@ impl NominalModel {
             Timing::Adaptive if self.kind(rule.chain) == ChainKind::Group => Vec::new(),
             Timing::Adaptive => {
                 let resolution_s = self.learned.resolution as f64 / SECOND as f64;
-                limits::adaptive(rule.judged(), self.tail, resolution_s)
+                let shapes = self.evidence.shapes(rule);
+                limits::adaptive(rule.judged(), self.tail, shapes, resolution_s)
             }
         }
     }
