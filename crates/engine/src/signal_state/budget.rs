@@ -12,6 +12,7 @@ use super::evidence::Evidence;
 use super::model::Learned;
 use super::parameters::Parameters;
 use super::rules::{Rule, RuleTable};
+use super::sisters::Names;
 
 const DAY_S: f64 = 86_400.0;
 /// Shares of the budget.
@@ -46,9 +47,10 @@ impl Budget {
         learned: &Learned,
         rules: &[Rule],
         table: &RuleTable,
-        chains: &Chains,
+        names: Names<'_>,
         evidence: &Evidence,
     ) -> Self {
+        let chains = names.chains;
         let days = (learned.duration as f64 / SECOND as f64 / DAY_S).max(1.0 / DAY_S);
         let transitions = rules.iter().map(|rule| rule.count).sum::<u64>() as f64 / days;
         let checks = Comparisons::while_learning(learned, rules, chains);
@@ -62,16 +64,15 @@ impl Budget {
         let leaving = table.rows().filter(|row| !row.is_empty()).map(|row| {
             let (chain, state) = (rules[row.start].chain, rules[row.start].current);
             let count = rules[row].iter().map(|rule| rule.count).sum();
-            let kind = chains.kind(chain);
             Chance {
-                probability: evidence.unknown_transition(rules, table, chain, kind, state),
+                probability: evidence.unknown_transition(rules, table, names, (chain, state)),
                 a_day: a_day(count),
             }
         });
         // What a group's chain takes says nothing that its devices' do not.
         let timed = rules.iter().filter(|rule| chains.kind(rule.chain) == ChainKind::Device);
         let taking = timed.map(|rule| Chance {
-            probability: evidence.any_odd_time(rule),
+            probability: evidence.any_odd_time(rule, names),
             a_day: a_day(rule.count),
         });
         Self {

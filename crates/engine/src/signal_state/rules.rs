@@ -84,7 +84,7 @@ impl RuleTable {
     }
 
     /// Indices of the rules of every row.
-    pub fn rows(&self) -> impl Iterator<Item = std::ops::Range<usize>> + '_ {
+    pub fn rows(&self) -> impl Iterator<Item = std::ops::Range<usize>> + Clone + '_ {
         self.row_start.windows(2).map(|ends| ends[0] as usize..ends[1] as usize)
     }
 
