@@ -2,6 +2,7 @@
 
 pub mod agglomerative;
 pub mod csk_means;
+pub mod extremes;
 pub mod limits;
 pub mod optimal;
 pub mod shape;

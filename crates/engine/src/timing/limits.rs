@@ -7,12 +7,14 @@
 //! predictive tail is the Lomax (Pareto II) distribution with shape `n`:
 //! `P(X > maximum + m) = (1 + m / (n·scale))^-n / (n + 1)`.
 //! Few instances make a heavy tail and so a wide limit; no fixed allowance is needed. Motions
-//! bounded by mechanics have no exponential tail: theirs is Student's t. Which of the two a cluster
-//! has is a matter of probability ([`super::shape`]), and half the tail probability pays for each:
-//! the limit is where Student's t is passed with `α/2`, or the Lomax law with `α/2` over the
+//! bounded by mechanics have no exponential tail: how far theirs reach the whole plant tells
+//! ([`super::extremes`]), or, where it is small, Student's t. Which of the two a cluster has is a
+//! matter of probability ([`super::shape`]), and half the tail probability `α` pays for each: the
+//! limit is where bounded times are passed with `α/2`, or the Lomax law with `α/2` over the
 //! probability that it holds, whichever is farther.
 
 use super::TimeCluster;
+use super::extremes::Side;
 use super::shape::Shapes;
 
 /// Clusters with fewer instances are *rare but seen*: accepted, but no basis for a limit.
@@ -68,7 +70,7 @@ pub fn adaptive(
         .map(|cluster| {
             let instances = cluster.instances as f64;
             let exponential = shapes.exponential(cluster);
-            let reach = |scale: f64, extreme: f64| {
+            let reach = |side: Side, scale: f64, extreme: f64| {
                 let scale = scale.max(resolution_s);
                 if cluster.instances < BODY_INSTANCES {
                     return extreme + scale;
@@ -77,16 +79,22 @@ pub fn adaptive(
                     return extreme + lomax_margin(instances, scale, tail.alpha);
                 }
                 let alpha = (tail.alpha / (2.0 * exponential)).min(1.0);
-                (extreme + lomax_margin(instances, scale, alpha))
-                    .max(normal_reach(instances, scale, tail.z_of_half))
-                    .max(extreme + scale)
+                // The nearer of the two: a few clusters that are two times in one would otherwise
+                // widen the limits of all.
+                let deviation = cluster.deviation_s.max(resolution_s);
+                let of_plant = shapes.extremes(side, cluster.instances);
+                let bounded = of_plant
+                    .map_or(f64::INFINITY, |law| deviation * law.distance(tail.alpha / 2.0))
+                    .min(normal_reach(instances, scale, tail.z_of_half));
+                (extreme + lomax_margin(instances, scale, alpha)).max(bounded).max(extreme + scale)
             };
             // Distances from the average outwards, to either side.
             let (below, above) =
                 (cluster.average_s - cluster.minimum_s, cluster.maximum_s - cluster.average_s);
             Accepted {
-                early_s: (cluster.average_s - reach(cluster.early_scale_s, below)).max(0.0),
-                late_s: cluster.average_s + reach(cluster.late_scale_s, above),
+                early_s: (cluster.average_s - reach(Side::Early, cluster.early_scale_s, below))
+                    .max(0.0),
+                late_s: cluster.average_s + reach(Side::Late, cluster.late_scale_s, above),
             }
         })
         .collect()

@@ -7,6 +7,7 @@
 //! (Dempster, Laird & Rubin 1977). Each cluster then has its own probability of being exponential.
 
 use super::TimeCluster;
+use super::extremes::{Extremes, Side};
 
 /// Instances from which a cluster says something of its shape.
 pub const SHAPE_INSTANCES: u64 = 20;
@@ -16,6 +17,10 @@ const EXPONENTIAL: f64 = 0.5;
 const BOUNDED_AT_MOST: f64 = 0.42;
 /// Scales below so many resolutions show the clock's ticks, not a shape.
 const TICKS: f64 = 2.0;
+/// Scales below so many would let the ticks reach far.
+const TICKS_OF_EXTREMES: f64 = 4.0;
+/// Instances from which a cluster's own spread is well known.
+const MANY_INSTANCES: u64 = 40;
 /// Clusters that are taken to be exponential before any has been seen.
 const PRIOR_CLUSTERS: f64 = 1.0;
 const ROUNDS: usize = 25;
@@ -25,6 +30,8 @@ const ROUNDS: usize = 25;
 pub struct Shapes {
     exponential: f64,
     bounded_gini: f64,
+    /// How far bounded times reach, early and late: in clusters of few, and of many instances.
+    extremes: [[Option<Extremes>; 2]; 2],
     resolution_s: f64,
 }
 
@@ -33,7 +40,12 @@ impl Shapes {
     pub fn of<'a>(clusters: impl Iterator<Item = &'a TimeCluster>, resolution_s: f64) -> Self {
         let telling: Vec<&TimeCluster> =
             clusters.filter(|cluster| is_telling(cluster, resolution_s)).collect();
-        let mut shapes = Self { exponential: 1.0, bounded_gini: BOUNDED_AT_MOST, resolution_s };
+        let mut shapes = Self {
+            exponential: 1.0,
+            bounded_gini: BOUNDED_AT_MOST,
+            extremes: [[None; 2]; 2],
+            resolution_s,
+        };
         if telling.is_empty() {
             return shapes;
         }
@@ -45,7 +57,23 @@ impl Shapes {
             let sum: f64 = telling.iter().map(|cluster| shapes.probability(cluster)).sum();
             shapes.exponential = (sum + PRIOR_CLUSTERS) / (telling.len() as f64 + PRIOR_CLUSTERS);
         }
+        let bounded = telling.into_iter().filter(|cluster| {
+            shapes.probability(cluster) < 0.5
+                && scale_of(cluster) >= TICKS_OF_EXTREMES * resolution_s
+        });
+        let (many, few): (Vec<&TimeCluster>, Vec<&TimeCluster>) =
+            bounded.partition(|cluster| cluster.instances >= MANY_INSTANCES);
+        shapes.extremes = [few, many].map(|clusters| {
+            [Side::Early, Side::Late].map(|side| Extremes::of(&clusters, side, resolution_s))
+        });
         shapes
+    }
+
+    /// How far bounded times of a cluster of so many instances reach on a side, where the plant
+    /// tells.
+    pub fn extremes(&self, side: Side, instances: u64) -> Option<&Extremes> {
+        let of_size = &self.extremes[usize::from(instances >= MANY_INSTANCES)];
+        of_size[usize::from(side == Side::Late)].as_ref()
     }
 
     /// Probability that a cluster's tails are exponential; 1 where it is too small to tell.
@@ -65,8 +93,11 @@ impl Shapes {
 }
 
 fn is_telling(cluster: &TimeCluster, resolution_s: f64) -> bool {
-    cluster.instances >= SHAPE_INSTANCES
-        && cluster.late_scale_s.max(cluster.early_scale_s) >= TICKS * resolution_s
+    cluster.instances >= SHAPE_INSTANCES && scale_of(cluster) >= TICKS * resolution_s
+}
+
+fn scale_of(cluster: &TimeCluster) -> f64 {
+    cluster.late_scale_s.max(cluster.early_scale_s)
 }
 
 #[cfg(test)]
