@@ -14,6 +14,8 @@ from runglight import environment
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from rich.status import Status
+
 WIDTH_WITHOUT_TERMINAL = 140
 
 
@@ -56,14 +58,35 @@ def progressing(doing: str, total: int) -> Iterator[Callable[[int], None]]:
         yield lambda done: progress.advance(task, done)
 
 
+class Report:
+    """A line at the foot of the terminal, written anew and anew; nothing where no terminal is."""
+
+    def __init__(self, status: Status | None) -> None:
+        self._status = status
+
+    def show(self, line: str) -> None:
+        """From now on the line reads so."""
+        if self._status is not None:
+            self._status.update(Text(line))
+
+    @contextmanager
+    def paused(self) -> Iterator[None]:
+        """Takes the line away while something is printed."""
+        if self._status is not None:
+            self._status.stop()
+        yield
+        if self._status is not None:
+            self._status.start()
+
+
 @contextmanager
-def reporting() -> Iterator[Callable[[str], None]]:
-    """A line that the given function writes anew; silent where no terminal is."""
+def reporting() -> Iterator[Report]:
+    """A line that says how a long job stands."""
     if not _watched():
-        yield lambda _line: None
+        yield Report(None)
         return
     with Console(file=sys.stderr).status("") as status:
-        yield lambda line: status.update(Text(line))
+        yield Report(status)
 
 
 def _watched() -> bool:
