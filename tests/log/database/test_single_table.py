@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 import runglight as rl
-from runglight.log import database
+from runglight.log.database import columns, quality, single_table, url as database_url_module
 from tests.conftest import Command, simulated
 
 pytest.importorskip("sqlalchemy")
@@ -163,7 +163,7 @@ def test_a_table_of_samples(tmp_path: Path) -> None:
 
 
 def test_many_partitions_equal_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(database, "ROWS_AT_ONCE", 7)
+    monkeypatch.setattr(single_table, "ROWS_AT_ONCE", 7)
     log = simulated(cycles=2)
     log.write(tmp_path / "log.csv")
     lines = (tmp_path / "log.csv").read_text(encoding="utf-8").splitlines()[1:]
@@ -178,14 +178,14 @@ def test_many_partitions_equal_the_file(tmp_path: Path, monkeypatch: pytest.Monk
 def test_what_is_no_log_is_said_before_all_is_fetched(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(database, "ROWS_AT_ONCE", 2)
+    monkeypatch.setattr(single_table, "ROWS_AT_ONCE", 2)
     fetched = []
 
     def good(quality: object) -> bool:
         fetched.append(quality)
         return True
 
-    monkeypatch.setattr(database, "_good", good)
+    monkeypatch.setattr(quality, "good", good)
     url = stored(
         tmp_path / "no.db",
         "CREATE TABLE recipes (title TEXT, author TEXT, _quality INTEGER)",
@@ -320,8 +320,8 @@ def test_an_unreachable_server(refused: Refused) -> None:
 
 
 def test_secrets_in_what_a_driver_says() -> None:
-    url = database.make_url("mssql+pyodbc://joe:one@host/db?odbc_connect=UID%3Djoe%3BPWD%3Dtwo%3B")
-    assert database._reason(ValueError("one of PWD=two;\n is wrong."), url) == (
+    url = database_url_module.make_url("mssql+pyodbc://joe:one@host/db?odbc_connect=UID%3Djoe%3BPWD%3Dtwo%3B")
+    assert database_url_module.reason(ValueError("one of PWD=two;\n is wrong."), url) == (
         "*** of PWD=***; is wrong"
     )
 
@@ -380,11 +380,11 @@ def test_without_a_driver(
 
 
 def test_times_are_named_as_in_files() -> None:
-    layout = Path(__file__).parents[2] / "crates" / "formats" / "src" / "layout.rs"
+    layout = Path(__file__).parents[3] / "crates" / "formats" / "src" / "layout.rs"
     names = layout.read_text(encoding="utf-8").partition("const TIME_NAMES")[2]
     listed = names.partition("= [")[2].partition("]")[0]
     assert [name.strip().strip('"') for name in listed.split(",") if name.strip()] == list(
-        database.TIME_NAMES
+        columns.TIME_NAMES
     )
 
 

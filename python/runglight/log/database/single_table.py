@@ -1,0 +1,135 @@
+"""One table or view: paper 003's, KEPServerEX DataLogger's, or any that reads like a file."""
+
+from __future__ import annotations
+
+import warnings
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+from sqlalchemy import column, inspect, select, table
+from sqlalchemy.dialects.mysql import BIT
+
+from runglight.log.database import quality as opc
+from runglight.log.database.columns import asked_columns, plain, sorts, time_columns
+from runglight.log.database.page import Page
+from runglight.log.database.tables import found_table
+from runglight.log.database.url import shown
+from runglight.log.options import ReadOptions
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+    from sqlalchemy import Connection, Select, TableClause
+    from sqlalchemy.engine import URL
+
+    from runglight.log.report import LeftOut
+
+ROWS_AT_ONCE = 50_000
+
+
+@dataclass(frozen=True)
+class SingleTable:
+    """A table that was found, and how its rows are asked for."""
+
+    shown: str
+    columns: list[str]
+    place: TableClause
+    times: list[str]
+    """The columns that hold the time; none where the database cannot sort by them."""
+    number: str | None
+    """The column that numbers the rows."""
+    unique: bool
+    """True where the database holds that number to be unique."""
+    key: list[str]
+    """The columns of the primary key."""
+    quality: str | None
+    """The column by which rows are skipped."""
+    notes: list[str] = field(default_factory=list)
+    left_out: list[LeftOut] = field(default_factory=list)
+
+    @classmethod
+    def find(cls, connection: Connection, url: URL, options: ReadOptions) -> SingleTable:
+        """The table that options name; InputError where there is none."""
+        schema, name = found_table(connection, url, options.table)
+        inspector = inspect(connection)
+        with warnings.catch_warnings():
+            # Columns of types that SQLAlchemy does not know are read as they come.
+            warnings.simplefilter("ignore")
+            described = inspector.get_columns(name, schema)
+            key = inspector.get_pk_constraint(name, schema).get("constrained_columns") or []
+            unique = [
+                each["column_names"] for each in inspector.get_indexes(name, schema) if each["unique"]
+            ]
+        names = [each["name"] for each in described]
+        asked = {plain(each) for each in asked_columns(options)}
+
+        def unasked(wanted: str) -> str | None:
+            same = (each for each in names if each.casefold() == wanted)
+            return next((each for each in same if plain(each) not in asked), None)
+
+        number, quality = unasked("id"), unasked(opc.QUALITY)
+        # Text and numbers come as they stand, for the engine to read; only MySQL's bits would
+        # come as bytes.
+        place = table(
+            name,
+            *(
+                column(each["name"], each["type"])
+                if isinstance(each["type"], BIT)
+                else column(each["name"])
+                for each in described
+            ),
+            schema=schema,
+        )
+        times = time_columns(names, options.time_column)
+        if times and not sorts(connection, select(place.c[times[0]]).select_from(place)):
+            times = []
+        found = cls(
+            shown=f"table {name if schema is None else f'{schema}.{name}'} of {shown(url)}",
+            columns=[each for each in names if each not in {number, quality}],
+            place=place,
+            times=times,
+            number=number,
+            unique=key == [number] or [number] in unique,
+            key=key,
+            quality=quality,
+        )
+        if not found.ties:
+            found.notes.append(
+                "it has no id: rows of one time come in the order the database gives them"
+            )
+        return found
+
+    @property
+    def ties(self) -> list[str]:
+        """The columns that give rows of one time an order of their own."""
+        return self.key if self.number is None else [self.number]
+
+    @property
+    def bad_quality(self) -> str:
+        return f"{self.quality} is not {opc.GOOD} (good)"
+
+    def reading(self, options: ReadOptions) -> ReadOptions:
+        return options
+
+    def fetched(self) -> Select[Any]:
+        """The columns, behind them the quality and the number where there are such."""
+        behind = [each for each in (self.quality, self.number) if each is not None]
+        return select(*(self.place.c[each] for each in [*self.columns, *behind]))
+
+    def page(self, rows: Sequence[Sequence[Any]]) -> Page:
+        """What of fetched rows is to be read."""
+        width = len(self.columns)
+        kept = rows if self.quality is None else [row for row in rows if opc.good(row[width])]
+        return Page(
+            [row[:width] for row in kept],
+            None if self.number is None else [f"{self.number} {row[-1]}" for row in kept],
+            skipped=len(rows) - len(kept),
+        )
+
+    def pages(self, connection: Connection) -> Iterator[Page]:
+        order = dict.fromkeys([*self.times, *self.ties])
+        rows = self.fetched().order_by(*(self.place.c[each] for each in order))
+        streamed = connection.execution_options(yield_per=ROWS_AT_ONCE)
+        with streamed.execute(rows) as result:
+            for part in result.partitions():
+                yield self.page(part)
