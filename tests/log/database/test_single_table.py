@@ -388,47 +388,6 @@ def test_times_are_named_as_in_files() -> None:
     )
 
 
-@pytest.fixture(scope="module")
-def postgresql() -> Iterator[str]:
-    """The URL of a PostgreSQL server of our own, reached through a socket in its directory."""
-    pytest.importorskip("psycopg")
-    programs = max(Path("/usr/lib/postgresql").glob("*/bin/initdb"), default=None)
-    if programs is None:
-        pytest.skip("no PostgreSQL server on this system")
-    user = None
-    if os.geteuid() == 0:
-        pwd = pytest.importorskip("pwd")
-        if "postgres" not in {each.pw_name for each in pwd.getpwall()}:
-            pytest.skip("PostgreSQL does not run as root, and there is no user postgres")
-        user = "postgres"
-    # Not pytest's directory: a socket's path must be short, and the server's user must reach it.
-    directory = Path(tempfile.mkdtemp(prefix="pg-"))
-    if user is not None:
-        shutil.chown(directory, user)
-
-    def run(program: str, *arguments: str) -> None:
-        subprocess.run(
-            [programs.with_name(program), "-D", directory / "data", *arguments],
-            cwd=directory,
-            user=user,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            check=True,
-            timeout=120,
-        )
-
-    try:
-        run("initdb", "-U", "runglight", "-A", "trust", "-E", "UTF8", "--no-sync")
-        run("pg_ctl", "start", "-w", "-l", "log", "-o", f"-k {directory} -c listen_addresses=''")
-        try:
-            yield f"postgresql://runglight:hidden@/postgres?host={directory}"
-        finally:
-            run("pg_ctl", "stop", "-m", "immediate")
-    finally:
-        shutil.rmtree(directory)
-
-
 def test_postgresql(postgresql: str, runglight: Command, refused: Refused, tmp_path: Path) -> None:
     psycopg = pytest.importorskip("psycopg")
     with psycopg.connect(postgresql) as connection:

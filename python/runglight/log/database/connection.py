@@ -69,7 +69,7 @@ def connected(url: URL) -> Iterator[Connection]:
             connection.commit()
             yield connection
     except SQLAlchemyError as error:
-        gone = bool(getattr(error, "connection_invalidated", False))
+        gone = bool(getattr(error, "connection_invalidated", False)) or "locked" in str(error)
         raise (DatabaseUnavailableError if gone else InputError)(
             f"{shown(url)}: cannot read: {reason(error, url)}"
         ) from None

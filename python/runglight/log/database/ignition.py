@@ -185,6 +185,18 @@ class IgnitionHistory:
                 names.append(f"tagid {tag}, t_stamp {time_ms}")
         return Page(cells, names, skipped=skipped, unknown=unknown)
 
+    def rows_since(self, connection: Connection, since: Any, limit: int) -> Sequence[Row]:
+        """The first rows from a time on (None: of all), in time order."""
+        return list(islice(self.rows_from(connection, since, min(limit, ROWS_AT_ONCE)), limit))
+
+    def times_of(self, row: Row) -> list[int]:
+        """The time of a row."""
+        return [row[4]]
+
+    def identity_of(self, row: Row) -> list[int]:
+        """What tells a row from others: the key of the partitions."""
+        return [row[0], row[4]]
+
     def rows_from(
         self, connection: Connection, since_ms: int | None, rows_at_once: int = ROWS_AT_ONCE
     ) -> Iterator[Row]:

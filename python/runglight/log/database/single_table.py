@@ -2,13 +2,15 @@
 
 from __future__ import annotations
 
+import re
 import warnings
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import column, inspect, select, table
+from sqlalchemy import Integer, Numeric, column, inspect, select, table
 from sqlalchemy.dialects.mysql import BIT
 
+from runglight.errors import InputError
 from runglight.log.database import quality as opc
 from runglight.log.database.columns import asked_columns, plain, sorts, time_columns
 from runglight.log.database.page import Page
@@ -25,6 +27,7 @@ if TYPE_CHECKING:
     from runglight.log.report import LeftOut
 
 ROWS_AT_ONCE = 50_000
+_TIME_OF_DAY = re.compile(r"\s*\d{1,2}:\d\d")
 
 
 @dataclass(frozen=True)
@@ -36,10 +39,12 @@ class SingleTable:
     place: TableClause
     times: list[str]
     """The columns that hold the time; none where the database cannot sort by them."""
+    time_names: list[str]
+    """The columns that hold the time."""
     number: str | None
     """The column that numbers the rows."""
-    unique: bool
-    """True where the database holds that number to be unique."""
+    counted: bool
+    """True where the database holds that number to be whole, unique and always there."""
     key: list[str]
     """The columns of the primary key."""
     quality: str | None
@@ -61,6 +66,8 @@ class SingleTable:
                 each["column_names"] for each in inspector.get_indexes(name, schema) if each["unique"]
             ]
         names = [each["name"] for each in described]
+        nullable = {each["name"]: each.get("nullable", True) for each in described}
+        types = {each["name"]: each["type"] for each in described}
         asked = {plain(each) for each in asked_columns(options)}
 
         def unasked(wanted: str) -> str | None:
@@ -80,7 +87,7 @@ class SingleTable:
             ),
             schema=schema,
         )
-        times = time_columns(names, options.time_column)
+        times = time_names = time_columns(names, options.time_column)
         if times and not sorts(connection, select(place.c[times[0]]).select_from(place)):
             times = []
         found = cls(
@@ -88,8 +95,11 @@ class SingleTable:
             columns=[each for each in names if each not in {number, quality}],
             place=place,
             times=times,
+            time_names=time_names,
             number=number,
-            unique=key == [number] or [number] in unique,
+            counted=number is not None
+            and (key == [number] or ([number] in unique and not nullable[number]))
+            and isinstance(types[number], (Integer, Numeric)),
             key=key,
             quality=quality,
         )
@@ -111,10 +121,50 @@ class SingleTable:
     def reading(self, options: ReadOptions) -> ReadOptions:
         return options
 
-    def fetched(self) -> Select[Any]:
+    @property
+    def fetched_names(self) -> list[str]:
         """The columns, behind them the quality and the number where there are such."""
-        behind = [each for each in (self.quality, self.number) if each is not None]
-        return select(*(self.place.c[each] for each in [*self.columns, *behind]))
+        behind = (each for each in (self.quality, self.number) if each is not None)
+        return [*self.columns, *behind]
+
+    def fetched(self) -> Select[Any]:
+        """Asks for all rows."""
+        return select(*(self.place.c[each] for each in self.fetched_names))
+
+    def rows_since(self, connection: Connection, since: Any, limit: int) -> Sequence[Any]:
+        """The first rows from a time on (None: of all), in time order."""
+        time = self.place.c[self.times[0]]
+        order = dict.fromkeys([*self.times, *self.ties])
+        rows = self.fetched().order_by(*(self.place.c[each] for each in order)).limit(limit)
+        return connection.execute(
+            rows.where(time.is_not(None) if since is None else time >= since)
+        ).all()
+
+    def times_of(self, row: Sequence[Any]) -> list[Any]:
+        """The time of a row, as the database has it."""
+        return [row[self.fetched_names.index(each)] for each in self.time_names]
+
+    def identity_of(self, row: Sequence[Any]) -> list[Any]:
+        """What tells a row from others: its primary key, else all of it."""
+        if not self.key:
+            return list(row)
+        return [row[self.fetched_names.index(each)] for each in self.key]
+
+    def refuse_times_of_day(self, connection: Connection) -> None:
+        """InputError for a table of times of day: a part of it does not tell the day."""
+        if self.times or not self.time_names:
+            return
+        time = self.place.c[self.time_names[0]]
+        first = connection.execute(
+            select(time).where(time.is_not(None)).limit(1)
+        ).scalar_one_or_none()
+        if type(first).__name__ in {"time", "timedelta"} or (
+            isinstance(first, str) and _TIME_OF_DAY.match(first)
+        ):
+            raise InputError(
+                f"{self.shown}: its column {time.name!r} has times of day only, which are not "
+                "taken piece by piece; write it to a file (--to plant.parquet)"
+            )
 
     def page(self, rows: Sequence[Sequence[Any]]) -> Page:
         """What of fetched rows is to be read."""

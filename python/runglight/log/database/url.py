@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from sqlalchemy.engine import make_url
@@ -42,6 +43,22 @@ def database_url(text: str, option: str = "--sql") -> URL:
 def shown(url: URL) -> str:
     """The URL as people may see it: without password and query, which may hold one too."""
     return url.set(query={}).render_as_string(hide_password=True)
+
+
+def place_of(url: URL) -> str:
+    """Where the database is, whoever reads it: without user, and a file by its whole path."""
+    database = url.database
+    if url.get_backend_name() == "sqlite" and database and not database.startswith(":"):
+        database = str(Path(database).resolve())
+    # A server on a socket is told by it; everything else of the query may be a secret.
+    sockets = {key: url.query[key] for key in ("host", "unix_socket") if key in url.query}
+    return url.set(
+        drivername=url.get_backend_name(),
+        username=None,
+        password=None,
+        query=sockets,
+        database=database,
+    ).render_as_string(hide_password=True)
 
 
 def reason(error: Exception, url: URL) -> str:

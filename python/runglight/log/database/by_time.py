@@ -1,0 +1,126 @@
+"""The next rows of a table that has nothing but times to go by.
+
+Rows may come late: all that are at most the reorder window older than the newest are asked for
+again, and those that were read are told by their marks.
+"""
+
+from __future__ import annotations
+
+from collections import Counter
+from datetime import UTC, date, datetime
+from decimal import Decimal
+from typing import TYPE_CHECKING, Any, Protocol
+
+from runglight.log.database.bookmark import RowsByTime, StoredTime, mark_of
+from runglight.log.database.step import Step, refuse_other_table
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable, Sequence
+
+    from sqlalchemy import Connection
+
+    from runglight.log.database.page import Page
+
+_UNITS_S = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "s-year1": 1.0}
+
+
+class Timed(Protocol):
+    """What has rows in time order."""
+
+    shown: str
+
+    def rows_since(self, connection: Connection, since: Any, limit: int) -> Sequence[Any]:
+        """The first rows from a time on (None: of all), in time order."""
+
+    def times_of(self, row: Any) -> Sequence[Any]:
+        """The time of a row, as the database has it."""
+
+    def identity_of(self, row: Any) -> Iterable[Any]:
+        """What tells a row from others."""
+
+    def page(self, rows: Sequence[Any]) -> Page:
+        """What of fetched rows is to be read."""
+
+
+def next_by_time(
+    connection: Connection,
+    source: Timed,
+    bookmark: RowsByTime | None,
+    rows_at_once: int,
+    *,
+    reorder_s: float,
+    time_format: str | None,
+) -> Step | None:
+    """Rows that were not read before; None where there are none."""
+    seen = Counter([] if bookmark is None else bookmark.seen)
+    # So many more that a whole page of rows that were read never hides those behind it.
+    limit = rows_at_once + seen.total()
+    since = None if bookmark is None else bookmark.since.value()
+    rows = source.rows_since(connection, since, limit)
+    connection.rollback()
+    complete = len(rows) < limit
+    marks = [mark_of(source.identity_of(row)) for row in rows]
+    unmatched = seen.copy()
+    fresh = []
+    for row, mark in zip(rows, marks, strict=True):
+        if unmatched[mark] > 0:
+            unmatched[mark] -= 1
+        else:
+            fresh.append((row, mark))
+    if seen and complete and unmatched.total() == seen.total():
+        raise refuse_other_table(source.shown, "each of its last rows")
+    if not fresh:
+        return None
+    page = source.page([row for row, _ in fresh])
+    if bookmark is not None and not complete and unmatched.total():
+        # Rows that were read lie behind this page: the window moves when they were met again.
+        return Step(page, RowsByTime(bookmark.since, bookmark.seen + [mark for _, mark in fresh]))
+    start = _window_start([source.times_of(row)[0] for row in rows], reorder_s, time_format)
+    return Step(page, RowsByTime(StoredTime.of(source.times_of(rows[start])[0]), marks[start:]))
+
+
+def _window_start(times: Sequence[Any], reorder_s: float, time_format: str | None) -> int:
+    """Position of the first row that is not older than the newest by more than the window."""
+    newest = times[-1]
+    limit_s = _seconds(newest, time_format)
+    start = len(times) - 1
+    while start > 0:
+        before = times[start - 1]
+        if before != newest:
+            before_s = _seconds(before, time_format)
+            if limit_s is None or before_s is None or before_s < limit_s - reorder_s:
+                break
+        start -= 1
+    return start
+
+
+def _seconds(value: Any, time_format: str | None) -> float | None:
+    """Seconds on any one scale; None for text that tells no time to us."""
+    match value:
+        case datetime():
+            return (value if value.tzinfo else value.replace(tzinfo=UTC)).timestamp()
+        case date():
+            return value.toordinal() * 86_400.0
+        case int() | float() | Decimal():
+            number = float(value)
+            if unit_s := _UNITS_S.get(time_format or ""):
+                return number * unit_s
+            # By size, as the file reader tells them apart: 1e11 s is the year 5138.
+            for bound, unit_s in ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3)):
+                if abs(number) >= bound:
+                    return number * unit_s
+            return number
+        case str():
+            try:
+                return _seconds(datetime.fromisoformat(_iso(value)), None)
+            except ValueError:
+                try:
+                    return _seconds(float(value), time_format)
+                except ValueError:
+                    return None
+    return None
+
+
+def _iso(text: str) -> str:
+    text = text.strip()
+    return text[:10].replace("/", "-").replace(".", "-") + text[10:]
