@@ -106,11 +106,17 @@ def ignition_lists() -> dict[str, Table]:
             *numbers("drvid", "start_time", "end_time", "blocksize", "flags"),
         ),
         "sqlth_scinfo": Table(
-            "sqlth_scinfo", data, Column("id", Integer), Column("scname", String(64)),
+            "sqlth_scinfo",
+            data,
+            Column("id", Integer),
+            Column("scname", String(64)),
             *numbers("drvid"),
         ),
         "sqlth_drv": Table(
-            "sqlth_drv", data, Column("id", Integer), Column("name", String(64)),
+            "sqlth_drv",
+            data,
+            Column("id", Integer),
+            Column("name", String(64)),
             Column("provider", String(64)),
         ),
     }

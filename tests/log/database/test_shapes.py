@@ -38,7 +38,9 @@ def rows_of(log: rl.Log) -> list[tuple[str, int]]:
 @pytest.mark.parametrize("value", [Integer, Boolean, Numeric(8, 3), String(10)])
 @pytest.mark.parametrize("moment", [MOMENT, String(40)])
 def test_paper_003(database: str, value: object, moment: object) -> None:
-    values = {Boolean: True, Integer: 1}.get(value, "1" if isinstance(value, String) else Decimal(1))
+    values = {Boolean: True, Integer: 1}.get(
+        value, "1" if isinstance(value, String) else Decimal(1)
+    )
     time = START if moment is MOMENT else START.isoformat(" ")
     row = {"Date and time": time, "Variable name": "%M1", "Value": values}
     made(database, paper_003(moment, value), [{"id": 2**40} | row])
@@ -113,8 +115,12 @@ def test_zones_of_postgresql(postgresql: str) -> None:
 def test_zones_of_mariadb(mariadb: str) -> None:
     # The server's own zone is five hours ahead; its TIMESTAMP is a moment, its DATETIME is not.
     with writing(mariadb) as connection:
-        connection.execute(text("CREATE TABLE zoned (id INT PRIMARY KEY, time TIMESTAMP(6), "
-                                "tag VARCHAR(9), value BIT(1))"))
+        connection.execute(
+            text(
+                "CREATE TABLE zoned (id INT PRIMARY KEY, time TIMESTAMP(6), "
+                "tag VARCHAR(9), value BIT(1))"
+            )
+        )
         connection.execute(text("INSERT INTO zoned VALUES (1, '2026-01-05 11:00:00.5', 'A', 1)"))
     log = rl.read_log(sql=mariadb, table="zoned")
     assert str(log.start) == "2026-01-05 06:00:00.500000+00:00"
@@ -124,7 +130,9 @@ def test_zones_of_mariadb(mariadb: str) -> None:
 def test_a_schema_of_mariadb(mariadb: str) -> None:
     with writing(mariadb) as connection:
         connection.execute(text("CREATE DATABASE line2"))
-        connection.execute(text("CREATE TABLE line2.log (time DATETIME, tag VARCHAR(9), value INT)"))
+        connection.execute(
+            text("CREATE TABLE line2.log (time DATETIME, tag VARCHAR(9), value INT)")
+        )
         connection.execute(text("INSERT INTO line2.log VALUES ('2026-01-05 11:00:00', 'A', 1)"))
     assert rows_of(rl.read_log(sql=mariadb, table="line2.log")) == [("A", 1)]
 
@@ -139,9 +147,7 @@ def test_nothing_can_be_written(database: str) -> None:
     assert "hidden" not in str(raised.value)
 
 
-def test_a_wrong_password_is_not_repeated(
-    mariadb: str, runglight: Command, tmp_path: Path
-) -> None:
+def test_a_wrong_password_is_not_repeated(mariadb: str, runglight: Command, tmp_path: Path) -> None:
     url = mariadb.replace("hidden", "s3cret")
     ended = runglight("import", "--sql", url, "--table", "t", "--to", "out")
     assert ended.returncode == 2

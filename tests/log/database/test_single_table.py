@@ -320,7 +320,9 @@ def test_an_unreachable_server(refused: Refused) -> None:
 
 
 def test_secrets_in_what_a_driver_says() -> None:
-    url = database_url_module.make_url("mssql+pyodbc://joe:one@host/db?odbc_connect=UID%3Djoe%3BPWD%3Dtwo%3B")
+    url = database_url_module.make_url(
+        "mssql+pyodbc://joe:one@host/db?odbc_connect=UID%3Djoe%3BPWD%3Dtwo%3B"
+    )
     assert database_url_module.reason(ValueError("one of PWD=two;\n is wrong."), url) == (
         "*** of PWD=***; is wrong"
     )

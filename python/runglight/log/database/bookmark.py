@@ -65,7 +65,8 @@ class StoredTime(msgspec.Struct, forbid_unknown_fields=True):
 class RowsByTime(msgspec.Struct, tag_field="by", tag="time", forbid_unknown_fields=True):
     """Every row before a time was read, and of those since then the ones that are marked."""
 
-    since: StoredTime
+    since: StoredTime | None
+    """None for a log that is shorter than the reorder window."""
     seen: list[str]
 
 

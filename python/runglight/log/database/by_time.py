@@ -55,8 +55,8 @@ def next_by_time(
     seen = Counter([] if bookmark is None else bookmark.seen)
     # So many more that a whole page of rows that were read never hides those behind it.
     limit = rows_at_once + seen.total()
-    since = None if bookmark is None else bookmark.since.value()
-    rows = source.rows_since(connection, since, limit)
+    since = None if bookmark is None else bookmark.since
+    rows = source.rows_since(connection, None if since is None else since.value(), limit)
     connection.rollback()
     complete = len(rows) < limit
     marks = [mark_of(source.identity_of(row)) for row in rows]
@@ -74,24 +74,36 @@ def next_by_time(
     page = source.page([row for row, _ in fresh])
     if bookmark is not None and not complete and unmatched.total():
         # Rows that were read lie behind this page: the window moves when they were met again.
-        return Step(page, RowsByTime(bookmark.since, bookmark.seen + [mark for _, mark in fresh]))
-    start = _window_start([source.times_of(row)[0] for row in rows], reorder_s, time_format)
-    return Step(page, RowsByTime(StoredTime.of(source.times_of(rows[start])[0]), marks[start:]))
+        return Step(page, RowsByTime(since, bookmark.seen + [mark for _, mark in fresh]))
+    times = [source.times_of(row)[0] for row in rows]
+    start = _window_start(times, reorder_s, time_format)
+    if start > 0:
+        since = StoredTime.of(times[start])
+    return Step(page, RowsByTime(since, marks[start:]))
 
 
 def _window_start(times: Sequence[Any], reorder_s: float, time_format: str | None) -> int:
-    """Position of the first row that is not older than the newest by more than the window."""
+    """Position of the rows of the last time that lies before the window; 0 where none does.
+
+    That time is a bound that the database can compare with, in whatever form it keeps times.
+    """
     newest = times[-1]
-    limit_s = _seconds(newest, time_format)
+    newest_s = _seconds(newest, time_format)
     start = len(times) - 1
-    while start > 0:
-        before = times[start - 1]
-        if before != newest:
-            before_s = _seconds(before, time_format)
-            if limit_s is None or before_s is None or before_s < limit_s - reorder_s:
-                break
+    while start > 0 and not _is_before(times[start], newest, newest_s, reorder_s, time_format):
+        start -= 1
+    while start > 0 and times[start - 1] == times[start]:
         start -= 1
     return start
+
+
+def _is_before(
+    time: Any, newest: Any, newest_s: float | None, reorder_s: float, time_format: str | None
+) -> bool:
+    time_s = _seconds(time, time_format)
+    if time_s is None or newest_s is None:
+        return bool(time != newest)
+    return time_s < newest_s - reorder_s
 
 
 def _seconds(value: Any, time_format: str | None) -> float | None:

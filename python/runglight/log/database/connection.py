@@ -59,8 +59,7 @@ def connected(url: URL) -> Iterator[Connection]:
         ) from None
     except Exception as error:  # A driver may raise what it likes.
         raise DatabaseUnavailableError(
-            f"{shown(url)}: cannot connect: {reason(error, url)}; "
-            "check address, user and password"
+            f"{shown(url)}: cannot connect: {reason(error, url)}; check address, user and password"
         ) from None
     try:
         with connection:

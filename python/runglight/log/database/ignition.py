@@ -69,9 +69,7 @@ class IgnitionHistory:
     bad_quality: str = f"dataintegrity is below {GOOD} (good)"
 
     @classmethod
-    def find(
-        cls, connection: Connection, url: URL, options: ReadOptions
-    ) -> IgnitionHistory | None:
+    def find(cls, connection: Connection, url: URL, options: ReadOptions) -> IgnitionHistory | None:
         """The history, where it is asked for, or where none of a historian's tables is."""
         place, dot, name = (options.table or NAME).rpartition(".")
         if name.casefold() != NAME:
@@ -160,7 +158,7 @@ class IgnitionHistory:
         )
 
     def pages(self, connection: Connection) -> Iterator[Page]:
-        rows = self.rows_from(connection, None)
+        rows = self.rows_from(connection, None, ROWS_AT_ONCE)
         while part := list(islice(rows, ROWS_AT_ONCE)):
             yield self.page(part)
 
@@ -198,7 +196,7 @@ class IgnitionHistory:
         return [row[0], row[4]]
 
     def rows_from(
-        self, connection: Connection, since_ms: int | None, rows_at_once: int = ROWS_AT_ONCE
+        self, connection: Connection, since_ms: int | None, rows_at_once: int
     ) -> Iterator[Row]:
         """The rows of all partitions by time, from `since_ms` on; fetched as they are taken."""
         return heapq.merge(

@@ -103,16 +103,14 @@ def _bookmark(directory: ImportDirectory) -> Bookmark | None:
         return None
     try:
         bookmark = msgspec.convert(directory.bookmark, Bookmark)
-        if isinstance(bookmark, RowsByTime):
+        if isinstance(bookmark, RowsByTime) and bookmark.since is not None:
             bookmark.since.value()
     except (msgspec.ValidationError, ValueError, ArithmeticError) as error:
         raise damaged(directory.path / FILE, f"its bookmark: {error}") from None
     return bookmark
 
 
-def _refuse_samples(
-    log: Log, source: SingleTable | IgnitionHistory, options: ReadOptions
-) -> None:
+def _refuse_samples(log: Log, source: SingleTable | IgnitionHistory, options: ReadOptions) -> None:
     # Which columns are analog, and what changed, is known of a table as a whole only.
     if options.bits or (log.signals and set(log.signals) <= set(source.columns)):
         raise InputError(

@@ -24,9 +24,7 @@ if TYPE_CHECKING:
 _ROW = re.compile(r"row (\d+): ")
 
 
-def read_pages(
-    pages: Iterable[Page], source: Source, directory: Path, options: ReadOptions
-) -> Log:
+def read_pages(pages: Iterable[Page], source: Source, directory: Path, options: ReadOptions) -> Log:
     """Reads rows as a file would be read; InputError names the table and the row."""
     return _RowFile(source, directory, options).read(pages)
 
@@ -77,9 +75,7 @@ class _RowFile:
         report = msgspec.json.decode(engine_log.report_json, type=ReadReport)
         notes = [*map(self._of_table, report.notes), *self._source.notes]
         if skipped:
-            notes.append(
-                f"{_rows(skipped)} skipped, because {self._source.bad_quality}"
-            )
+            notes.append(f"{_rows(skipped)} skipped, because {self._source.bad_quality}")
         if unknown:
             notes.append(f"{_rows(unknown)} skipped, because no tag has their number")
         return msgspec.structs.replace(

@@ -63,7 +63,9 @@ class SingleTable:
             described = inspector.get_columns(name, schema)
             key = inspector.get_pk_constraint(name, schema).get("constrained_columns") or []
             unique = [
-                each["column_names"] for each in inspector.get_indexes(name, schema) if each["unique"]
+                each["column_names"]
+                for each in inspector.get_indexes(name, schema)
+                if each["unique"]
             ]
         names = [each["name"] for each in described]
         nullable = {each["name"]: each.get("nullable", True) for each in described}

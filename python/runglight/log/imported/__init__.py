@@ -1,7 +1,7 @@
 """Directories that an import fills piece by piece: Parquet segments, and a bookmark.
 
-    DIR/imported.json     segments, bookmark, what was left out: replaced whole with every step
-    DIR/000001.parquet    changes in time order
+DIR/imported.json     segments, bookmark, what was left out: replaced whole with every step
+DIR/000001.parquet    changes in time order
 """
 
 from runglight.log.imported.directory import ImportDirectory
