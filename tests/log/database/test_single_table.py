@@ -1,17 +1,15 @@
 """Logs in tables of real databases: SQLite files, and PostgreSQL where it can be started."""
 
 import os
-import shutil
 import sqlite3
-import subprocess
-import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
 
 import runglight as rl
-from runglight.log.database import columns, quality, single_table, url as database_url_module
+from runglight.log.database import columns, quality, single_table
+from runglight.log.database import url as database_url_module
 from tests.conftest import Command, simulated
 
 pytest.importorskip("sqlalchemy")

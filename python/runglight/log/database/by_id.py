@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from runglight.log.database.single_table import SingleTable
 
 HOLES = 200
-"""Stretches of missing numbers that are asked for again; rows of older ones are taken as deleted."""
+"""Stretches of missing numbers that are asked for again; those of older ones were deleted."""
 
 
 def next_by_id(
@@ -28,8 +28,8 @@ def next_by_id(
     rows = source.fetched().order_by(number)
     late = []
     if bookmark is not None:
-        last = connection.execute(rows.where(number == bookmark.last)).first()
-        if last is None or mark_of(source.times_of(last)) != bookmark.mark:
+        known = connection.execute(rows.where(number == bookmark.last)).first()
+        if known is None or mark_of(source.times_of(known)) != bookmark.mark:
             raise refuse_other_table(source.shown, f"its row of {number.name} {bookmark.last}")
         if bookmark.holes:
             holes = or_(*(number.between(first, end) for first, end in bookmark.holes))

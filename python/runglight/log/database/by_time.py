@@ -7,12 +7,11 @@ again, and those that were read are told by their marks.
 from __future__ import annotations
 
 from collections import Counter
-from datetime import UTC, date, datetime
-from decimal import Decimal
 from typing import TYPE_CHECKING, Any, Protocol
 
 from runglight.log.database.bookmark import RowsByTime, StoredTime, mark_of
 from runglight.log.database.step import Step, refuse_other_table
+from runglight.log.database.time_scale import seconds
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -21,13 +20,13 @@ if TYPE_CHECKING:
 
     from runglight.log.database.page import Page
 
-_UNITS_S = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9, "s-year1": 1.0}
-
 
 class Timed(Protocol):
     """What has rows in time order."""
 
-    shown: str
+    @property
+    def shown(self) -> str:
+        """What the user is told it is called."""
 
     def rows_since(self, connection: Connection, since: Any, limit: int) -> Sequence[Any]:
         """The first rows from a time on (None: of all), in time order."""
@@ -88,7 +87,7 @@ def _window_start(times: Sequence[Any], reorder_s: float, time_format: str | Non
     That time is a bound that the database can compare with, in whatever form it keeps times.
     """
     newest = times[-1]
-    newest_s = _seconds(newest, time_format)
+    newest_s = seconds(newest, time_format)
     start = len(times) - 1
     while start > 0 and not _is_before(times[start], newest, newest_s, reorder_s, time_format):
         start -= 1
@@ -100,39 +99,7 @@ def _window_start(times: Sequence[Any], reorder_s: float, time_format: str | Non
 def _is_before(
     time: Any, newest: Any, newest_s: float | None, reorder_s: float, time_format: str | None
 ) -> bool:
-    time_s = _seconds(time, time_format)
+    time_s = seconds(time, time_format)
     if time_s is None or newest_s is None:
         return bool(time != newest)
     return time_s < newest_s - reorder_s
-
-
-def _seconds(value: Any, time_format: str | None) -> float | None:
-    """Seconds on any one scale; None for text that tells no time to us."""
-    match value:
-        case datetime():
-            return (value if value.tzinfo else value.replace(tzinfo=UTC)).timestamp()
-        case date():
-            return value.toordinal() * 86_400.0
-        case int() | float() | Decimal():
-            number = float(value)
-            if unit_s := _UNITS_S.get(time_format or ""):
-                return number * unit_s
-            # By size, as the file reader tells them apart: 1e11 s is the year 5138.
-            for bound, unit_s in ((1e17, 1e-9), (1e14, 1e-6), (1e11, 1e-3)):
-                if abs(number) >= bound:
-                    return number * unit_s
-            return number
-        case str():
-            try:
-                return _seconds(datetime.fromisoformat(_iso(value)), None)
-            except ValueError:
-                try:
-                    return _seconds(float(value), time_format)
-                except ValueError:
-                    return None
-    return None
-
-
-def _iso(text: str) -> str:
-    text = text.strip()
-    return text[:10].replace("/", "-").replace(".", "-") + text[10:]

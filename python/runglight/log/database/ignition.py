@@ -22,6 +22,7 @@ from runglight.errors import InputError
 from runglight.log.database.page import Page
 from runglight.log.database.quality import GOOD
 from runglight.log.database.tables import as_written
+from runglight.log.database.tag_names import signal_names
 from runglight.log.database.url import shown
 from runglight.log.report import LeftOut
 
@@ -116,11 +117,11 @@ class IgnitionHistory:
             if written is not None and not block_size:
                 partitions[driver].append((start_ms or 0, written))
                 ends_ms[written] = end_ms or 0
-        systems = {number: driver for number, driver in rows("sqlth_scinfo", "id", "drvid")}
-        drivers = {number: name for number, name in rows("sqlth_drv", "id", "name")}
+        systems = dict(map(tuple, rows("sqlth_scinfo", "id", "drvid")))
+        drivers = dict(map(tuple, rows("sqlth_drv", "id", "name")))
         tags = rows(_TAGS, "id", "tagpath", "scid", "datatype")
         paths = {tag: (systems.get(system), path) for tag, path, system, _ in tags}
-        names = _names(paths, drivers)
+        names = signal_names(paths, drivers)
         read: dict[int, str] = {}
         thresholds: dict[int, Sequence[float]] = {}
         left_out: dict[str, str] = {}
@@ -148,6 +149,7 @@ class IgnitionHistory:
         )
 
     def reading(self, options: ReadOptions) -> ReadOptions:
+        """Times in milliseconds, and analog tags already banded."""
         return msgspec.structs.replace(
             options,
             time_column="time",
@@ -158,6 +160,7 @@ class IgnitionHistory:
         )
 
     def pages(self, connection: Connection) -> Iterator[Page]:
+        """All rows in time order."""
         rows = self.rows_from(connection, None, ROWS_AT_ONCE)
         while part := list(islice(rows, ROWS_AT_ONCE)):
             yield self.page(part)
@@ -230,24 +233,3 @@ class IgnitionHistory:
                 return
             last = page[-1]
             where = (or_(time_ms > last[4], and_(time_ms == last[4], tag > last[0])),)
-
-
-def _names(
-    paths: Mapping[int, tuple[int | None, str]], drivers: Mapping[int, str]
-) -> dict[int, str]:
-    """Signals of tags: folders by dashes; the system before them where two have the same path.
-
-    A tag that was retired and made anew has another number and the same path: one signal.
-    """
-    systems: defaultdict[str, set[int | None]] = defaultdict(set)
-    for system, path in paths.values():
-        systems[path].add(system)
-    return {
-        tag: "-".join(
-            [
-                *([str(drivers.get(system or 0, system))] if len(systems[path]) > 1 else []),
-                *filter(None, path.split("/")),
-            ]
-        )
-        for tag, (system, path) in paths.items()
-    }

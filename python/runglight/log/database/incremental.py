@@ -102,7 +102,7 @@ def _bookmark(directory: ImportDirectory) -> Bookmark | None:
     if directory.bookmark is None:
         return None
     try:
-        bookmark = msgspec.convert(directory.bookmark, Bookmark)
+        bookmark: Bookmark = msgspec.convert(directory.bookmark, Bookmark)
         if isinstance(bookmark, RowsByTime) and bookmark.since is not None:
             bookmark.since.value()
     except (msgspec.ValidationError, ValueError, ArithmeticError) as error:

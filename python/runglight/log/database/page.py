@@ -31,14 +31,25 @@ class Page:
 class Source(Protocol):
     """A table, or a historian's tables together, as rows in time order."""
 
-    shown: str
-    """What the user is told it is called; without the password."""
-    columns: list[str]
-    """The columns a log may be made of."""
-    bad_quality: str
-    """Why rows are skipped, in words: `_QUALITY is not 192 (good)`."""
-    notes: list[str]
-    left_out: list[LeftOut]
+    @property
+    def shown(self) -> str:
+        """What the user is told it is called; without the password."""
+
+    @property
+    def columns(self) -> list[str]:
+        """The columns a log may be made of."""
+
+    @property
+    def bad_quality(self) -> str:
+        """Why rows are skipped, in words: `_QUALITY is not 192 (good)`."""
+
+    @property
+    def notes(self) -> list[str]:
+        """What the user must know of it."""
+
+    @property
+    def left_out(self) -> list[LeftOut]:
+        """What is not read of it."""
 
     def reading(self, options: ReadOptions) -> ReadOptions:
         """How the file that the rows are written to is read."""

@@ -118,9 +118,11 @@ class SingleTable:
 
     @property
     def bad_quality(self) -> str:
+        """Why rows are skipped."""
         return f"{self.quality} is not {opc.GOOD} (good)"
 
     def reading(self, options: ReadOptions) -> ReadOptions:
+        """As the options say."""
         return options
 
     @property
@@ -179,6 +181,7 @@ class SingleTable:
         )
 
     def pages(self, connection: Connection) -> Iterator[Page]:
+        """All rows in time order, as the server sends them."""
         order = dict.fromkeys([*self.times, *self.ties])
         rows = self.fetched().order_by(*(self.place.c[each] for each in order))
         streamed = connection.execution_options(yield_per=ROWS_AT_ONCE)

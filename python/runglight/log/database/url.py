@@ -28,7 +28,7 @@ _CONNECT_TIMEOUT_S = 10
 
 
 def database_url(text: str, option: str = "--sql") -> URL:
-    """A database's URL with a driver chosen and a limit on connecting; InputError names `option`."""
+    """A URL with a driver chosen and a limit on connecting; InputError names `option`."""
     try:
         url = make_url(text)
     except (ArgumentError, ValueError):

@@ -41,7 +41,7 @@ class Manifest(msgspec.Struct, forbid_unknown_fields=True):
 
     @classmethod
     def load(cls, directory: Path) -> Manifest | None:
-        """The manifest of a directory, or None where there is none; InputError for a damaged one."""
+        """The manifest of a directory, None without one; InputError for a damaged one."""
         path = directory / FILE
         try:
             manifest = msgspec.json.decode(path.read_bytes(), type=cls)
