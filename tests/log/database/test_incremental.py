@@ -5,6 +5,7 @@ import os
 import random
 import shutil
 import signal
+import sqlite3
 import subprocess
 import sys
 import time
@@ -14,6 +15,7 @@ from datetime import datetime, timedelta
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from sqlalchemy import DateTime, Table, create_engine, delete, insert, text
 
@@ -24,7 +26,7 @@ from runglight.log.database.incremental import directory_for, import_new
 from runglight.log.database.url import database_url
 from runglight.log.imported import directory as import_directory
 from runglight.log.options import ReadOptions
-from tests.conftest import Command
+from tests.conftest import Command, simulated
 from tests.log.database.filling import add, kepserverex, made, paper_003, writing
 
 START = datetime(2026, 1, 5, 6)
@@ -371,3 +373,63 @@ def test_following(tmp_path: Path) -> None:
 )
 def test_what_cannot_be(refused: Refused, arguments: list[str], sentence: str) -> None:
     assert sentence in refused("import", *arguments)
+
+
+def test_a_database_that_is_away_for_a_while(tmp_path: Path) -> None:
+    url = f"sqlite:///{tmp_path}/plant.db?timeout=0.01"
+    (tmp_path / "plant.db").touch()
+    made(url, paper_003(), numbered([0]))
+    following = subprocess.Popen(
+        [
+            *[sys.executable, "-m", "runglight", "import", "--sql", url, "--table", "history"],
+            *["--to", "plant", "--follow", "--every", "20ms"],
+        ],
+        cwd=tmp_path,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        env=os.environ | {"CI": "true"},
+    )
+    assert following.stdout is not None
+    assert following.stderr is not None
+    assert following.stdout.readline() == "plant: 1 new rows, 1 in all\n"
+    assert "times without a zone" in following.stderr.readline()
+    held = sqlite3.connect(tmp_path / "plant.db", isolation_level=None, timeout=60)
+    held.execute("BEGIN EXCLUSIVE")
+    assert "database is locked; trying again every 0.02 s" in following.stderr.readline()
+    held.execute("INSERT INTO history VALUES (2, '2026-01-05 06:00:01', 'A', 2)")
+    held.execute("COMMIT")
+    held.close()
+    assert following.stdout.readline() == "plant: 1 new rows, 2 in all\n"
+    following.send_signal(signal.SIGTERM)
+    rest, said = following.communicate(timeout=60)
+    assert (following.returncode, rest, said) == (0, "", "")
+
+
+def test_a_directory_is_learned_from(tmp_path: Path, runglight: Command) -> None:
+    url = f"sqlite:///{tmp_path}/plant.db"
+    (tmp_path / "plant.db").touch()
+    log = simulated(cycles=4)
+    time_ns, signal_index, value = log.columns()
+    rows = [
+        {
+            "id": position + 1,
+            "Date and time": str(np.datetime64(int(row[0]), "ns")),
+            "Variable name": log.signals[int(row[1])],
+            "Value": int(row[2]),
+        }
+        for position, row in enumerate(zip(time_ns, signal_index, value, strict=True))
+    ]
+    made(url, paper_003(), rows)
+    table = ["--sql", url, "--table", "history"]
+    assert runglight("import", *table, "--to", "plant").returncode == 0
+    for source, model in (["plant"], "a.model"), (table, "b.model"):
+        assert runglight("learn", *source, "-o", model).returncode == 0
+    shown = [
+        runglight("show", model, "--format", "json").stdout for model in ("a.model", "b.model")
+    ]
+    rules = [(tmp_path / model / "rules.parquet").read_bytes() for model in ("a.model", "b.model")]
+    assert rules[0] == rules[1]
+    assert all(shown)
+    watched = runglight("watch", "a.model", "plant")
+    assert watched.returncode == 0, watched.stderr
