@@ -48,10 +48,9 @@ def import_to_directory(to: Path, options: ReaderOptions, every_s: float | None)
         def renaming(log: Log) -> Log:
             return renamed(log, names)
 
-    said: set[str] = set()
     with directory_for(configuration.log, to) as directory, _ending() as ended:
         waiting = every_s is not None
-        take = _Taking(configuration.log, directory, renaming, said, import_new)
+        take = _Taking(configuration.log, directory, renaming, ended, import_new)
         take.all_that_is_new(say_nothing_new=True)
         unavailable = False
         while waiting and not ended.wait(every_s):
@@ -72,13 +71,14 @@ class _Taking:
         options: ReadOptions,
         directory: ImportDirectory,
         renaming: Callable[[Log], Log] | None,
-        said: set[str],
+        ended: threading.Event,
         import_new: Callable[..., Iterator[Log]],
     ) -> None:
         self._options = options
         self._directory = directory
         self._renaming = renaming
-        self._said = said
+        self._said: set[str] = set()
+        self._ended = ended
         self._import_new = import_new
 
     def all_that_is_new(self, *, say_nothing_new: bool) -> None:
@@ -89,6 +89,8 @@ class _Taking:
                     if sentence not in self._said:
                         self._said.add(sentence)
                         terminal.note(sentence)
+                if self._ended.is_set():
+                    break
         new = self._directory.rows - before
         if new or say_nothing_new:
             terminal.results().print(

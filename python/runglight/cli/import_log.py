@@ -47,6 +47,8 @@ def import_log(
     chosen = options or ReaderOptions()
     if source is None and is_directory(to):
         every_s = duration_s(every, "--every")
+        if every_s < 0.01:
+            raise InputError(f"--every: {every!r} is too often; write at least 10 ms")
         return import_to_directory(to, chosen, every_s if follow else None)
     if follow:
         raise InputError(

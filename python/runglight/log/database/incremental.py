@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -55,7 +56,7 @@ def import_new(
         while (step := _next(connection, source, directory, options)) is not None:
             bookmark = msgspec.to_builtins(step.bookmark)
             if not step.page.cells:
-                directory.add(None, bookmark, step.page.skipped + step.page.unknown)
+                directory.add(None, bookmark, step.page.left_out)
                 continue
             with tempfile.TemporaryDirectory(prefix="runglight-") as place:
                 log = read_pages([step.page], source, Path(place), options)
@@ -63,8 +64,7 @@ def import_new(
             log, late = _in_time(log, source, directory, options)
             if renaming is not None:
                 log = renaming(log)
-            skipped = step.page.skipped + step.page.unknown + log.report.bad_rows + late
-            directory.add(log, bookmark, skipped)
+            directory.add(log, bookmark, step.page.left_out + log.report.bad_rows + late)
             yield log
 
 
@@ -88,7 +88,7 @@ def _next(
             )
     if isinstance(bookmark, RowsById):
         raise damaged(directory.path / FILE, "its bookmark is an id, not a time")
-    return next_by_time(
+    step = next_by_time(
         connection,
         source,
         bookmark,
@@ -96,6 +96,21 @@ def _next(
         reorder_s=options.reorder_s,
         time_format="ms" if isinstance(source, IgnitionHistory) else options.time_format,
     )
+    if step is None or bookmark is not None or isinstance(source, IgnitionHistory):
+        return step
+    return _with_timeless(step, source, source.rows_without_time(connection), options)
+
+
+def _with_timeless(step: Step, source: SingleTable, count: int, options: ReadOptions) -> Step:
+    """The first step, which also answers for rows that going by time never meets."""
+    if count and options.on_error == "fail":
+        have = "1 row has" if count == 1 else f"{count:,} rows have"
+        raise InputError(
+            f"{source.shown}: {have} no time in column {source.times[0]!r}; "
+            "mend the table, or --on-error skip"
+        )
+    page = replace(step.page, timeless=count)
+    return replace(step, page=page)
 
 
 def _bookmark(directory: ImportDirectory) -> Bookmark | None:

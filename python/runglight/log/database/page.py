@@ -26,6 +26,13 @@ class Page:
     """Rows that were fetched and are not to be read, because of their quality."""
     unknown: int = 0
     """Rows of tags that the database does not name."""
+    timeless: int = 0
+    """Rows that have no time."""
+
+    @property
+    def left_out(self) -> int:
+        """Rows that are not to be read."""
+        return self.skipped + self.unknown + self.timeless
 
 
 class Source(Protocol):

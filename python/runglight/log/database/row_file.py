@@ -40,7 +40,7 @@ class _RowFile:
         ).to_json()
 
     def read(self, pages: Iterable[Page]) -> Log:
-        skipped = unknown = 0
+        skipped = unknown = timeless = 0
         with (
             self._path.open("w", encoding="utf-8", newline="", errors="surrogateescape") as stream,
             self._names_path.open("w", encoding="utf-8") as names,
@@ -59,8 +59,11 @@ class _RowFile:
                     names.writelines(f"{name}\n" for name in page.names)
                 skipped += page.skipped
                 unknown += page.unknown
+                timeless += page.timeless
         engine_log = self._engine_log()
-        return Log(engine_log, self._source.shown, self._report(engine_log, skipped, unknown))
+        return Log(
+            engine_log, self._source.shown, self._report(engine_log, skipped, unknown, timeless)
+        )
 
     def _engine_log(self) -> _engine.ChangeLog:
         try:
@@ -71,13 +74,17 @@ class _RowFile:
                 raise
             raise InputError(f"{self._source.shown}: {self._of_table(problem)}") from None
 
-    def _report(self, engine_log: _engine.ChangeLog, skipped: int, unknown: int) -> ReadReport:
+    def _report(
+        self, engine_log: _engine.ChangeLog, skipped: int, unknown: int, timeless: int
+    ) -> ReadReport:
         report = msgspec.json.decode(engine_log.report_json, type=ReadReport)
         notes = [*map(self._of_table, report.notes), *self._source.notes]
         if skipped:
             notes.append(f"{_rows(skipped)} skipped, because {self._source.bad_quality}")
         if unknown:
             notes.append(f"{_rows(unknown)} skipped, because no tag has their number")
+        if timeless:
+            notes.append(f"{_rows(timeless)} skipped, because they have no time")
         return msgspec.structs.replace(
             report,
             format="sql",

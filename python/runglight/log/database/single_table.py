@@ -7,7 +7,7 @@ import warnings
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
-from sqlalchemy import Integer, Numeric, column, inspect, select, table
+from sqlalchemy import Integer, Numeric, column, func, inspect, select, table
 from sqlalchemy.dialects.mysql import BIT
 
 from runglight.errors import InputError
@@ -143,6 +143,12 @@ class SingleTable:
         return connection.execute(
             rows.where(time.is_not(None) if since is None else time >= since)
         ).all()
+
+    def rows_without_time(self, connection: Connection) -> int:
+        """Number of rows that no time leads to."""
+        time = self.place.c[self.times[0]]
+        missing = select(func.count()).select_from(self.place).where(time.is_(None))
+        return int(connection.execute(missing).scalar_one())
 
     def times_of(self, row: Sequence[Any]) -> list[Any]:
         """The time of a row, as the database has it."""
