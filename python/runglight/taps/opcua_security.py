@@ -1,0 +1,63 @@
+"""How a tap proves itself to an OPC UA server: policy, certificate, key, user."""
+
+from pathlib import Path
+
+from asyncua import Client, ua
+from asyncua.crypto import security_policies
+
+from runglight.errors import InputError
+from runglight.nearest import suggestion
+from runglight.taps.url import SourceUrl
+
+POLICIES = {
+    "Basic256Sha256": security_policies.SecurityPolicyBasic256Sha256,
+    "Aes128Sha256RsaOaep": security_policies.SecurityPolicyAes128Sha256RsaOaep,
+    "Aes256Sha256RsaPss": security_policies.SecurityPolicyAes256Sha256RsaPss,
+}
+REFUSALS = (
+    ua.StatusCodes.BadUserAccessDenied,
+    ua.StatusCodes.BadIdentityTokenInvalid,
+    ua.StatusCodes.BadIdentityTokenRejected,
+    ua.StatusCodes.BadSecurityPolicyRejected,
+    ua.StatusCodes.BadSecurityModeRejected,
+    ua.StatusCodes.BadCertificateUntrusted,
+    ua.StatusCodes.BadCertificateInvalid,
+)
+"""What a server answers to someone it will not let in."""
+
+
+def check_security(url: SourceUrl) -> None:
+    """InputError where the security options of a URL cannot work."""
+    policy = url.options.get("security", "none")
+    files = [option for option in ("certificate", "key") if option in url.options]
+    if policy.lower() == "none":
+        if files:
+            raise InputError(f"{url.text}: {files[0]} needs security=Basic256Sha256 with it")
+        return
+    if policy not in POLICIES:
+        near = suggestion(policy, POLICIES) or f"; there are: none, {', '.join(POLICIES)}"
+        raise InputError(f"{url.text}: no security policy is called {policy!r}{near}")
+    for option in ("certificate", "key"):
+        if option not in url.options:
+            raise InputError(
+                f"{url.text}: security={policy} needs {option}=FILE (.pem or .der) as well"
+            )
+    for option in ("certificate", "key", "server_certificate"):
+        if option in url.options and not Path(url.options[option]).is_file():
+            raise InputError(f"{url.text}: {option}: there is no file {url.options[option]}")
+
+
+async def secure(client: Client, url: SourceUrl) -> None:
+    """Sets user, policy and certificates of a client that is not connected yet."""
+    if url.username is not None:
+        client.set_user(url.username)
+        client.set_password(url.password or "")
+    policy = POLICIES.get(url.options.get("security", "none"))
+    if policy is not None:
+        await client.set_security(
+            policy,
+            certificate=url.options["certificate"],
+            private_key=url.options["key"],
+            server_certificate=url.options.get("server_certificate"),
+            mode=ua.MessageSecurityMode.SignAndEncrypt,
+        )
