@@ -13,6 +13,7 @@ import pytest
 from asyncua import Server, ua
 
 from tests.taps.cable import free_port
+from tests.taps.sparkplug_edge import Edge
 
 
 class Bench(ABC):
@@ -167,3 +168,38 @@ class MqttBench(Bench):
         await self.broker.publish(
             "line/" + name.replace("-", "/"), json.dumps(value), retain=True
         )
+
+
+class SparkplugBench(Bench):
+    """A broker, and an edge node that answers rebirth requests."""
+
+    def __init__(self, directory: Path) -> None:
+        self.broker = Broker(directory)
+        self.port = self.broker.port
+        self.edge = Edge(self.port)
+
+    @property
+    def url(self) -> str:
+        return f"sparkplug://127.0.0.1:{self.port}/line?timeout=1&keepalive=1"
+
+    @property
+    def node_url(self) -> str:
+        """Names the edge node, so that it is asked for its birth at once."""
+        return f"sparkplug://127.0.0.1:{self.port}/line/Cell?timeout=1&keepalive=1"
+
+    async def start(self) -> None:
+        await self.broker.start()
+        await self.edge.start()
+        self._running = True
+
+    async def kill(self) -> None:
+        self._running = False
+        await self.broker.kill()
+        await self.edge.stop(death=False)
+
+    async def put(self, name: str, value: int) -> None:
+        short = name.removeprefix("Cell-Station-")
+        if self._running:
+            await self.edge.put(short, value)
+        else:
+            self.edge.values[short] = value

@@ -135,7 +135,7 @@ def test_a_bad_status_holds_the_signal_and_a_return_elsewhere_is_a_gap() -> None
             await listener.until(lambda: listener.images)
             await bench.put("Station-Step", 3)
             await bench.nodes["Clamp"].write_value(
-                ua.DataValue(StatusCode_=ua.StatusCode(ua.StatusCodes.BadSensorFailure))
+                ua.DataValue(StatusCode=ua.StatusCode(ua.StatusCodes.BadSensorFailure))
             )
             await listener.until(lambda: any("Clamp" in line for line in listener.tap.notices))
             await listener.until(lambda: listener.changes("Station-Step") == [3])
