@@ -165,9 +165,7 @@ class MqttBench(Bench):
 
     async def put(self, name: str, value: int) -> None:
         self.values[name] = value
-        await self.broker.publish(
-            "line/" + name.replace("-", "/"), json.dumps(value), retain=True
-        )
+        await self.broker.publish("line/" + name.replace("-", "/"), json.dumps(value), retain=True)
 
 
 class SparkplugBench(Bench):

@@ -64,17 +64,13 @@ class Listener:
     @property
     def gaps(self) -> list[Gap]:
         """The gaps so far."""
-        return [
-            mark for batch in self.batches for mark in batch.marks if isinstance(mark, Gap)
-        ]
+        return [mark for batch in self.batches for mark in batch.marks if isinstance(mark, Gap)]
 
     def named(self, batch: Batch) -> list[tuple[str, int]]:
         """Rows of a batch: name and value."""
         return [
             (self.tap.signals[index].name, value)
-            for index, value in zip(
-                batch.signal_index.tolist(), batch.value.tolist(), strict=True
-            )
+            for index, value in zip(batch.signal_index.tolist(), batch.value.tolist(), strict=True)
         ]
 
     def changes(self, name: str) -> list[int]:

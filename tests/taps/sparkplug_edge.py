@@ -29,7 +29,7 @@ def field(position: int, content: int | bytes | str) -> bytes:
     return number(position * 8 + 2) + number(len(raw)) + raw
 
 
-def metric(
+def metric(  # noqa: PLR0911
     value: object,
     kind: str | None = None,
     *,

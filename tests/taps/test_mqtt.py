@@ -64,24 +64,26 @@ def test_a_burst_arrives_complete_and_in_order(tmp_path: Path) -> None:
 
 def test_times_of_the_messages_are_taken(tmp_path: Path) -> None:
     async def test() -> None:
-        async with MqttBench(tmp_path) as bench:
-            async with Listener(open_tap(bench.url + "&reorder=5s")) as listener:
-                await listener.until(lambda: listener.images)
-                # The first stamp opens the window; what was handed on before it is the edge.
+        async with (
+            MqttBench(tmp_path) as bench,
+            Listener(open_tap(bench.url + "&reorder=5s")) as listener,
+        ):
+            await listener.until(lambda: listener.images)
+            # The first stamp opens the window; what was handed on before it is the edge.
+            await bench.broker.publish(
+                "line/Station/Step", f'{{"value": 1, "time": {time.time_ns()}}}'
+            )
+            await asyncio.sleep(0.3)
+            stamp_ns = time.time_ns()
+            for name, value, earlier_ms in (("Step", 2, 0), ("Clamp", 1, 120)):
+                stamp = stamp_ns - earlier_ms * 1_000_000
                 await bench.broker.publish(
-                    "line/Station/Step", f'{{"value": 1, "time": {time.time_ns()}}}'
+                    f"line/Station/{name}", f'{{"value": {value}, "timestamp": {stamp}}}'
                 )
-                await asyncio.sleep(0.3)
-                stamp_ns = time.time_ns()
-                for name, value, earlier_ms in (("Step", 2, 0), ("Clamp", 1, 120)):
-                    stamp = stamp_ns - earlier_ms * 1_000_000
-                    await bench.broker.publish(
-                        f"line/Station/{name}", f'{{"value": {value}, "timestamp": {stamp}}}'
-                    )
-                await listener.until(lambda: 2 in listener.changes("Station-Step"))
-                assert listener.times("Station-Step")[-1] == stamp_ns
-                assert listener.times("Station-Clamp") == [stamp_ns - 120_000_000]
-                check_order(listener.batches)
+            await listener.until(lambda: 2 in listener.changes("Station-Step"))
+            assert listener.times("Station-Step")[-1] == stamp_ns
+            assert listener.times("Station-Clamp") == [stamp_ns - 120_000_000]
+            check_order(listener.batches)
 
     run(test)
 
@@ -115,17 +117,20 @@ def test_a_killed_broker_is_a_gap_and_the_next_image_follows(tmp_path: Path) -> 
 
 def test_a_cut_cable_is_noticed_by_the_keepalive(tmp_path: Path) -> None:
     async def test() -> None:
-        async with MqttBench(tmp_path) as bench, Cable(bench.port) as cable:
-            async with Listener(open_tap(bench.url_at(cable.port))) as listener:
-                await listener.until(lambda: listener.images)
-                cable.cut()
-                await retrying(listener)
-                await bench.put("Station-Step", 9)
-                cable.mend()
-                await listener.until(lambda: len(listener.images) == 2)
-                assert listener.images[1]["Station-Step"] == 9
-                assert len(listener.gaps) == 1
-                check_order(listener.batches)
+        async with (
+            MqttBench(tmp_path) as bench,
+            Cable(bench.port) as cable,
+            Listener(open_tap(bench.url_at(cable.port))) as listener,
+        ):
+            await listener.until(lambda: listener.images)
+            cable.cut()
+            await retrying(listener)
+            await bench.put("Station-Step", 9)
+            cable.mend()
+            await listener.until(lambda: len(listener.images) == 2)
+            assert listener.images[1]["Station-Step"] == 9
+            assert len(listener.gaps) == 1
+            check_order(listener.batches)
 
     run(test)
 
@@ -146,14 +151,13 @@ def test_check_tells_what_is_retained(tmp_path: Path) -> None:
         async with MqttBench(tmp_path) as bench:
             await bench.broker.publish("line/Recipe", "A7", retain=True)
             answers = await open_tap(bench.url).check()
-            assert sorted((answer.signal.name, answer.value) for answer in answers[1:]) or True
             found = {answer.signal.name: (answer.value, answer.error) for answer in answers}
             assert found == {
                 "Station-Clamp": (0, None),
                 "Station-Step": (0, None),
                 "Recipe": (None, "is text, neither boolean nor integer"),
             }
-        with pytest.raises(InputError, match="127.0.0.1"):
+        with pytest.raises(InputError, match=r"127\.0\.0\.1"):
             await open_tap(bench.url).check()
 
     run(test)
@@ -204,6 +208,8 @@ def certificate(directory: Path) -> tuple[Path, Path]:
     return files
 
 
+# paho leaves a socket whose handshake fails to the garbage collector.
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
 def test_tls_with_a_certificate_of_ones_own(tmp_path: Path) -> None:
     pem, key = certificate(tmp_path)
 

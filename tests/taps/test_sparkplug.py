@@ -29,24 +29,25 @@ async def eventually(seen: Callable[[], object]) -> None:
 
 def test_a_birth_that_was_missed_is_asked_for_and_makes_the_image(tmp_path: Path) -> None:
     async def test() -> None:
-        async with SparkplugBench(tmp_path) as bench:
-            async with Listener(open_tap(bench.url.replace("timeout=1", "timeout=20s"))) as listener:
-                await eventually(lambda: listener.tap.connection or True)
-                # It is born already: its data make it known, and it is asked.
-                while not listener.images:
-                    await bench.edge.put("Step", 5)
-                    await asyncio.sleep(0.1)
-                assert bench.edge.asked >= 1
-                assert listener.images[0] == {CLAMP: 0, STEP: 5}
-                signals = {signal.name: signal for signal in listener.tap.signals}
-                assert signals[STEP].type == "INT"
-                assert signals[STEP].address == "line/Cell/Station:Step"
-                assert any("Cell-Temperature" in line for line in listener.tap.notices)
-                await bench.edge.put("Step", -7)
-                await bench.edge.put("Clamp", 1)
-                await listener.until(lambda: listener.changes(CLAMP) == [1])
-                assert listener.changes(STEP)[-1] == -7
-                check_order(listener.batches)
+        async with (
+            SparkplugBench(tmp_path) as bench,
+            Listener(open_tap(bench.url.replace("timeout=1", "timeout=20s"))) as listener,
+        ):
+            # It is born already: its data make it known, and it is asked.
+            while not listener.images:
+                await bench.edge.put("Step", 5)
+                await asyncio.sleep(0.1)
+            assert bench.edge.asked >= 1
+            assert listener.images[0] == {CLAMP: 0, STEP: 5}
+            signals = {signal.name: signal for signal in listener.tap.signals}
+            assert signals[STEP].type == "INT"
+            assert signals[STEP].address == "line/Cell/Station:Step"
+            assert any("Cell-Temperature" in line for line in listener.tap.notices)
+            await bench.edge.put("Step", -7)
+            await bench.edge.put("Clamp", 1)
+            await listener.until(lambda: listener.changes(CLAMP) == [1])
+            assert listener.changes(STEP)[-1] == -7
+            check_order(listener.batches)
 
     run(test)
 
@@ -83,114 +84,123 @@ def test_rebirth_can_be_forbidden(tmp_path: Path) -> None:
 
 def test_a_lost_message_is_a_gap_until_the_rebirth(tmp_path: Path) -> None:
     async def test() -> None:
-        async with SparkplugBench(tmp_path) as bench:
-            async with Listener(open_tap(bench.node_url)) as listener:
-                await listener.until(lambda: listener.images)
-                bench.edge.values["Clamp"] = 1
-                bench.edge.lose()
-                tap_asked = bench.edge.asked
-                # More than the pause between two requests does not have to pass: it was answered.
-                await bench.edge.put("Step", 3)
-                await listener.until(lambda: len(listener.images) == 2)
-                assert bench.edge.asked == tap_asked + 1
-                assert listener.images[1] == {CLAMP: 1, STEP: 3}
-                assert listener.gaps and "Cell" in listener.gaps[0].reason
-                assert listener.changes(CLAMP) == []
-                check_order(listener.batches)
+        async with (
+            SparkplugBench(tmp_path) as bench,
+            Listener(open_tap(bench.node_url)) as listener,
+        ):
+            await listener.until(lambda: listener.images)
+            bench.edge.values["Clamp"] = 1
+            bench.edge.lose()
+            tap_asked = bench.edge.asked
+            # More than the pause between two requests does not have to pass: it was answered.
+            await bench.edge.put("Step", 3)
+            await listener.until(lambda: len(listener.images) == 2)
+            assert bench.edge.asked == tap_asked + 1
+            assert listener.images[1] == {CLAMP: 1, STEP: 3}
+            assert listener.gaps
+            assert "Cell" in listener.gaps[0].reason
+            assert listener.changes(CLAMP) == []
+            check_order(listener.batches)
 
     run(test)
 
 
 def test_sequence_numbers_go_round(tmp_path: Path) -> None:
     async def test() -> None:
-        async with SparkplugBench(tmp_path) as bench:
-            async with Listener(open_tap(bench.node_url)) as listener:
-                await listener.until(lambda: listener.images)
-                for step in range(600):
-                    await bench.edge.put("Step", step)
-                await listener.until(lambda: 599 in listener.changes(STEP))
-                assert listener.changes(STEP) == list(range(600))
-                assert listener.gaps == []
+        async with (
+            SparkplugBench(tmp_path) as bench,
+            Listener(open_tap(bench.node_url)) as listener,
+        ):
+            await listener.until(lambda: listener.images)
+            for step in range(600):
+                await bench.edge.put("Step", step)
+            await listener.until(lambda: 599 in listener.changes(STEP))
+            assert listener.changes(STEP) == list(range(600))
+            assert listener.gaps == []
 
     run(test)
 
 
 def test_a_device_that_died_is_a_gap_when_it_is_born_again(tmp_path: Path) -> None:
     async def test() -> None:
-        async with SparkplugBench(tmp_path) as bench:
-            async with Listener(open_tap(bench.node_url)) as listener:
-                await listener.until(lambda: listener.images)
-                await bench.edge.publish("DDEATH", "Station", payload([], bench.edge._next()))
-                bench.edge.values["Step"] = 8
-                await bench.edge.device_birth()
-                await listener.until(lambda: len(listener.images) == 2)
-                assert listener.images[1] == {CLAMP: 0, STEP: 8}
-                assert "Cell/Station" in listener.gaps[0].reason
-                assert listener.changes(STEP) == []
+        async with (
+            SparkplugBench(tmp_path) as bench,
+            Listener(open_tap(bench.node_url)) as listener,
+        ):
+            await listener.until(lambda: listener.images)
+            await bench.edge.publish("DDEATH", "Station", payload([], bench.edge._next()))
+            bench.edge.values["Step"] = 8
+            await bench.edge.device_birth()
+            await listener.until(lambda: len(listener.images) == 2)
+            assert listener.images[1] == {CLAMP: 0, STEP: 8}
+            assert "Cell/Station" in listener.gaps[0].reason
+            assert listener.changes(STEP) == []
 
     run(test)
 
 
 def test_a_node_that_died_is_a_gap_and_an_old_will_is_not_its_death(tmp_path: Path) -> None:
     async def test() -> None:
-        async with SparkplugBench(tmp_path) as bench:
-            async with Listener(open_tap(bench.node_url)) as listener:
-                await listener.until(lambda: listener.images)
-                await bench.edge.publish(
-                    "NDEATH", "", payload([metric(99, "UInt64", name="bdSeq")])
-                )
-                await bench.edge.put("Step", 1)
-                await listener.until(lambda: listener.changes(STEP) == [1])
-                assert listener.gaps == []
-                await bench.edge.stop()
-                bench.edge.bd_seq += 1
-                bench.edge.values["Step"] = 2
-                await bench.edge.start()
-                await listener.until(lambda: len(listener.images) == 2)
-                assert listener.images[1] == {CLAMP: 0, STEP: 2}
-                assert len(listener.gaps) == 1
-                assert listener.changes(STEP) == [1]
+        async with (
+            SparkplugBench(tmp_path) as bench,
+            Listener(open_tap(bench.node_url)) as listener,
+        ):
+            await listener.until(lambda: listener.images)
+            await bench.edge.publish("NDEATH", "", payload([metric(99, "UInt64", name="bdSeq")]))
+            await bench.edge.put("Step", 1)
+            await listener.until(lambda: listener.changes(STEP) == [1])
+            assert listener.gaps == []
+            await bench.edge.stop()
+            bench.edge.bd_seq += 1
+            bench.edge.values["Step"] = 2
+            await bench.edge.start()
+            await listener.until(lambda: len(listener.images) == 2)
+            assert listener.images[1] == {CLAMP: 0, STEP: 2}
+            assert len(listener.gaps) == 1
+            assert listener.changes(STEP) == [1]
 
     run(test)
 
 
 def test_historical_null_and_undecodable_are_said_and_change_nothing(tmp_path: Path) -> None:
     async def test() -> None:
-        async with SparkplugBench(tmp_path) as bench:
-            async with Listener(open_tap(bench.node_url)) as listener:
-                await listener.until(lambda: listener.images)
-                await bench.edge.put("Step", 50, historical=True)
-                await bench.edge.publish(
-                    "DDATA", "Station", payload([metric(None, alias=11)], bench.edge._next())
-                )
-                await bench.edge.publish("DDATA", "Station", b"\xff\xff")
-                await bench.edge.put("Step", 4)
-                await listener.until(lambda: listener.changes(STEP) == [4])
-                said = "\n".join(listener.tap.notices)
-                assert "historical" in said
-                assert "is null" in said
-                assert "spBv1.0/line/DDATA/Cell/Station: ends in the middle" in said
+        async with (
+            SparkplugBench(tmp_path) as bench,
+            Listener(open_tap(bench.node_url)) as listener,
+        ):
+            await listener.until(lambda: listener.images)
+            await bench.edge.put("Step", 50, historical=True)
+            await bench.edge.publish(
+                "DDATA", "Station", payload([metric(None, alias=11)], bench.edge._next())
+            )
+            await bench.edge.publish("DDATA", "Station", b"\xff\xff")
+            await bench.edge.put("Step", 4)
+            await listener.until(lambda: listener.changes(STEP) == [4])
+            said = "\n".join(listener.tap.notices)
+            assert "historical" in said
+            assert "is null" in said
+            assert "spBv1.0/line/DDATA/Cell/Station: ends in the middle" in said
 
     run(test)
 
 
 def test_a_killed_broker_is_a_gap_and_the_births_follow(tmp_path: Path) -> None:
     async def test() -> None:
-        async with SparkplugBench(tmp_path) as bench:
-            async with Listener(open_tap(bench.node_url)) as listener:
-                await listener.until(lambda: listener.images)
-                await bench.kill()
-                await eventually(
-                    lambda: listener.tap.connection.state is ConnectionState.RETRYING
-                )
-                await bench.put(STEP, 6)
-                await bench.start()
-                await listener.until(lambda: len(listener.images) >= 2)
-                await listener.until(
-                    lambda: listener.images[-1].get(STEP) == 6 or 6 in listener.changes(STEP)
-                )
-                assert listener.gaps
-                check_order(listener.batches)
+        async with (
+            SparkplugBench(tmp_path) as bench,
+            Listener(open_tap(bench.node_url)) as listener,
+        ):
+            await listener.until(lambda: listener.images)
+            await bench.kill()
+            await eventually(lambda: listener.tap.connection.state is ConnectionState.RETRYING)
+            await bench.put(STEP, 6)
+            await bench.start()
+            await listener.until(lambda: len(listener.images) >= 2)
+            await listener.until(
+                lambda: listener.images[-1].get(STEP) == 6 or 6 in listener.changes(STEP)
+            )
+            assert listener.gaps
+            check_order(listener.batches)
 
     run(test)
 
@@ -202,9 +212,7 @@ def test_a_cut_cable_is_noticed_by_the_keepalive(tmp_path: Path) -> None:
             async with Listener(open_tap(url)) as listener:
                 await listener.until(lambda: listener.images)
                 cable.cut()
-                await eventually(
-                    lambda: listener.tap.connection.state is ConnectionState.RETRYING
-                )
+                await eventually(lambda: listener.tap.connection.state is ConnectionState.RETRYING)
                 cable.mend()
                 await listener.until(lambda: len(listener.images) == 2)
                 assert listener.images[1] == {CLAMP: 0, STEP: 0}

@@ -122,11 +122,9 @@ class Arrivals:
             # The values before the step go first; a step is rare, their order is not at risk.
             self._release(now_ns)
             self._marks.append(ClockStep(now_ns, step_ns))
-        if self._connected:
+        if self._connected and not self._ready:
             # Right after an image the window lies before the edge; time goes on all the same.
-            until_ns = max(
-                now_ns - (self._reorder_ns if self._stamped else 0), self._edge_ns + 1
-            )
+            until_ns = max(now_ns - (self._reorder_ns if self._stamped else 0), self._edge_ns + 1)
             due = bool(self._waiting) and self._waiting[0][0] <= until_ns
             if due or self._marks or now_ns - self._handed_ns >= HEARTBEAT_NS:
                 self._release(until_ns, heartbeat=True)
@@ -145,9 +143,9 @@ class Arrivals:
 
     def _now_after_all(self) -> int:
         """Hands on all that waits; the time after it."""
-        now_ns = max(self._clock.now_ns(), self._edge_ns + 1)
-        self._release(now_ns)
-        return now_ns
+        now_ns = self._clock.now_ns()
+        self._release(max(now_ns, self._edge_ns + 1))
+        return max(now_ns, self._edge_ns + 1)
 
     def _append_image(self, now_ns: int) -> None:
         indices = sorted(self._values)

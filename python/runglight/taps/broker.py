@@ -4,7 +4,7 @@ import asyncio
 import logging
 import ssl
 from collections.abc import AsyncIterator
-from contextlib import asynccontextmanager
+from contextlib import asynccontextmanager, suppress
 from pathlib import Path
 from uuid import uuid4
 
@@ -74,10 +74,8 @@ class BrokerOptions:
             yield client
         finally:
             # The broker may be gone: what it says to our farewell does not matter.
-            try:
+            with suppress(aiomqtt.MqttError):
                 await client.__aexit__(None, None, None)
-            except aiomqtt.MqttError:
-                pass
 
     async def _context(self) -> ssl.SSLContext | None:
         if not self._tls:

@@ -86,7 +86,7 @@ class MqttTap(SubscribedTap):
         members: list[tuple[str, Member]] = []
         while (message := await inbox.next(RETAINED_S)) is not None and message.retain:
             topic = str(message.topic)
-            members += [(topic, member) for member in read_payload(payloadpayload_bytes(message))]
+            members += [(topic, member) for member in read_payload(payload_bytes(message))]
         return members, message
 
     def _take(self, message: aiomqtt.Message) -> None:
@@ -141,4 +141,3 @@ def fixed_part(topic_filter: str) -> str:
             break
         levels.append(level)
     return "".join(f"{level}/" for level in levels)
-

@@ -57,7 +57,9 @@ def read_payload(payload: bytes) -> list[Member]:
     return _flat(content, None if stamp_ns is None else stamp_key, stamp_ns)
 
 
-def _flat(content: Mapping[str, object], stamp_key: str | None, stamp_ns: int | None) -> list[Member]:
+def _flat(
+    content: Mapping[str, object], stamp_key: str | None, stamp_ns: int | None
+) -> list[Member]:
     members = [
         _member(name, value, stamp_ns) for name, value in content.items() if name != stamp_key
     ]

@@ -13,8 +13,11 @@ from contextlib import asynccontextmanager, suppress
 from datetime import UTC, datetime
 from typing import Any, ClassVar
 
-from asyncua import Client, Node, ua
+from asyncua import ua
+from asyncua.client.client import Client
+from asyncua.common.node import Node
 from asyncua.common.subscription import DataChangeNotif
+from asyncua.ua import uaerrors
 
 from runglight.errors import InputError
 from runglight.taps.base import Answer, TapSignal
@@ -40,7 +43,7 @@ if logging.getLogger("asyncua").level == logging.NOTSET:
 class OpcUaTap(SubscribedTap):
     """One OPC UA server."""
 
-    losses: ClassVar = (*SubscribedTap.losses, ua.UaError, struct.error, ValueError, KeyError)
+    losses: ClassVar = (*SubscribedTap.losses, uaerrors.UaError, struct.error, ValueError, KeyError)
 
     def __init__(self, url: SourceUrl, clock: Clock) -> None:
         super().__init__(url, clock)
@@ -48,7 +51,7 @@ class OpcUaTap(SubscribedTap):
         written = url.options.get("browse", "i=85")
         try:
             self._root = ua.NodeId.from_string(written)
-        except (ua.UaError, ValueError):
+        except (uaerrors.UaError, ValueError):
             raise InputError(
                 f"{url.text}: browse={written} is not a node id; write ns=2;s=NAME or ns=2;i=NUMBER"
             ) from None
@@ -68,7 +71,7 @@ class OpcUaTap(SubscribedTap):
         try:
             async with self._client() as client:
                 variables = await self._variables(client)
-                answers = []
+                answers: list[Answer] = []
                 for part in chunks(variables):
                     nodes = [client.get_node(variable.node_id) for variable in part]
                     values = await client.read_attributes(nodes)
@@ -83,9 +86,7 @@ class OpcUaTap(SubscribedTap):
         async with self._client() as client:
             client.connection_lost_callback = self._lost
             variables = await self._variables(client)
-            indices = {
-                variable.node_id: self.index_of(_signal(variable)) for variable in variables
-            }
+            indices = {variable.node_id: self.index_of(_signal(variable)) for variable in variables}
             self._image, self._bad_since = {}, {}
             self._awaited = set(indices.values())
             self._image_complete.clear()
@@ -95,8 +96,8 @@ class OpcUaTap(SubscribedTap):
             subscription = await client.create_subscription(self._publish_ms, handler)
             for part in chunks(variables):
                 nodes = [client.get_node(variable.node_id) for variable in part]
-                results = await subscription.subscribe_data_change(
-                    nodes, queuesize=self._queue, sampling_interval=0.0
+                results: list[int | ua.StatusCode] = await subscription.subscribe_data_change(
+                    nodes, queuesize=self._queue, sampling_interval=ua.Duration(0)
                 )
                 for variable, result in zip(part, results, strict=True):
                     if isinstance(result, ua.StatusCode):
@@ -180,7 +181,7 @@ class OpcUaTap(SubscribedTap):
     async def _variables(self, client: Client) -> list[Variable]:
         try:
             found = await variables_below(client, self._root)
-        except (ua.uaerrors.BadNodeIdUnknown, ua.uaerrors.BadNodeIdInvalid):
+        except (uaerrors.BadNodeIdUnknown, uaerrors.BadNodeIdInvalid):
             message = f"the server has no node {self._root.to_string()}"
             if self.was_connected:
                 # A server that restarts may answer before its program is loaded.
@@ -205,7 +206,7 @@ class OpcUaTap(SubscribedTap):
             async with asyncio.timeout(self.timeout_s * 3):
                 await secure(client, self._source)
                 await client.connect()
-        except ua.UaStatusCodeError as error:
+        except uaerrors.UaStatusCodeError as error:
             if error.code in REFUSALS and not self.was_connected:
                 raise InputError(f"{self.url}: the server lets us not in: {error}") from None
             raise

@@ -4,7 +4,9 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import TypeVar
 
-from asyncua import Client, ua
+from asyncua import ua
+from asyncua.client.client import Client
+from asyncua.ua.attribute_ids import AttributeIds
 
 AT_ONCE = 200
 """Nodes per request; small controllers refuse large ones."""
@@ -19,8 +21,10 @@ INTEGERS: dict[ua.VariantType, str] = {
     ua.VariantType.Int64: "LINT",
     ua.VariantType.UInt64: "ULINT",
 }
-_SERVER = ua.NodeId(ua.ObjectIds.Server)
-_PROPERTY = ua.NodeId(ua.ObjectIds.HasProperty)
+# OPC 10000-6, Annex A: the ids of the standard nodes.
+_SERVER = ua.NodeId.from_string("i=2253")
+_HIERARCHY = ua.NodeId.from_string("i=33")
+_PROPERTY = ua.NodeId.from_string("i=46")
 _T = TypeVar("_T")
 
 
@@ -82,7 +86,7 @@ async def _browse(
         ua.BrowseDescription(
             NodeId=node_id,
             BrowseDirection=ua.BrowseDirection.Forward,
-            ReferenceTypeId=ua.NodeId(ua.ObjectIds.HierarchicalReferences),
+            ReferenceTypeId=_HIERARCHY,
             IncludeSubtypes=True,
             NodeClassMask=ua.NodeClass.Object | ua.NodeClass.Variable,
             ResultMask=ua.BrowseResultMask.All,
@@ -93,12 +97,14 @@ async def _browse(
     for result in await client.uaclient.browse(parameters):
         listed = list(result.References or ())
         # A server may hand out long lists in pieces (OPC 10000-4, 5.9.3).
-        while result.ContinuationPoint:
+        point = result.ContinuationPoint
+        while point:
             following = ua.BrowseNextParameters()
-            following.ContinuationPoints = [result.ContinuationPoint]
+            following.ContinuationPoints = [point]
             following.ReleaseContinuationPoints = False
-            [result] = await client.uaclient.browse_next(following)
-            listed += result.References or ()
+            [piece] = await client.uaclient.browse_next(following)
+            listed += piece.References or ()
+            point = piece.ContinuationPoint
         references.append(listed)
     return references
 
@@ -109,7 +115,7 @@ async def _typed(client: Client, found: list[tuple[ua.NodeId, str]]) -> list[Var
         nodes = [client.get_node(node_id) for node_id, _ in part]
         values = await client.read_attributes(nodes)
         # A value that is bad at the moment may have no type: then the declared one counts.
-        declared = await client.read_attributes(nodes, ua.AttributeIds.DataType)
+        declared = await client.read_attributes(nodes, AttributeIds.DataType)
         for (node_id, name), value, data_type in zip(part, values, declared, strict=True):
             variables.append(_variable(node_id, name, value, data_type))
     return variables
@@ -135,6 +141,6 @@ def _declared(data_type: ua.DataValue) -> ua.VariantType | None:
     if not isinstance(node_id, ua.NodeId) or node_id.NamespaceIndex != 0:
         return None
     try:
-        return ua.VariantType(node_id.Identifier)
+        return ua.VariantType(int(str(node_id.Identifier)))
     except ValueError:
         return None

@@ -1,27 +1,30 @@
 """How a tap proves itself to an OPC UA server: policy, certificate, key, user."""
 
 from pathlib import Path
+from typing import Any
 
-from asyncua import Client, ua
+from asyncua.client.client import Client
 from asyncua.crypto import security_policies
+from asyncua.ua import MessageSecurityMode
+from asyncua.ua.status_codes import StatusCodes
 
 from runglight.errors import InputError
 from runglight.nearest import suggestion
 from runglight.taps.url import SourceUrl
 
-POLICIES = {
+POLICIES: dict[str, Any] = {
     "Basic256Sha256": security_policies.SecurityPolicyBasic256Sha256,
     "Aes128Sha256RsaOaep": security_policies.SecurityPolicyAes128Sha256RsaOaep,
     "Aes256Sha256RsaPss": security_policies.SecurityPolicyAes256Sha256RsaPss,
 }
 REFUSALS = (
-    ua.StatusCodes.BadUserAccessDenied,
-    ua.StatusCodes.BadIdentityTokenInvalid,
-    ua.StatusCodes.BadIdentityTokenRejected,
-    ua.StatusCodes.BadSecurityPolicyRejected,
-    ua.StatusCodes.BadSecurityModeRejected,
-    ua.StatusCodes.BadCertificateUntrusted,
-    ua.StatusCodes.BadCertificateInvalid,
+    StatusCodes.BadUserAccessDenied,
+    StatusCodes.BadIdentityTokenInvalid,
+    StatusCodes.BadIdentityTokenRejected,
+    StatusCodes.BadSecurityPolicyRejected,
+    StatusCodes.BadSecurityModeRejected,
+    StatusCodes.BadCertificateUntrusted,
+    StatusCodes.BadCertificateInvalid,
 )
 """What a server answers to someone it will not let in."""
 
@@ -59,5 +62,5 @@ async def secure(client: Client, url: SourceUrl) -> None:
             certificate=url.options["certificate"],
             private_key=url.options["key"],
             server_certificate=url.options.get("server_certificate"),
-            mode=ua.MessageSecurityMode.SignAndEncrypt,
+            mode=MessageSecurityMode.SignAndEncrypt,
         )

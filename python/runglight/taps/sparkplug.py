@@ -270,9 +270,7 @@ class SparkplugTap(SubscribedTap):
     def _resume(self) -> None:
         """Devices that were not seen are back: a gap, and then everything as it stands."""
         if self._returned_since_ns is not None:
-            self.arrivals.resume(
-                self._returned, self._returned_since_ns, self._returned_reason
-            )
+            self.arrivals.resume(self._returned, self._returned_since_ns, self._returned_reason)
             self._returned_since_ns = None
             self._returned.clear()
 
