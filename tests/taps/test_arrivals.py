@@ -148,7 +148,7 @@ def test_a_part_that_was_not_seen_is_a_gap_after_the_last_row() -> None:
     arrivals.resume({1: 99}, START + 20 * MS, "device B was away")
     batches += arrivals.take()
     assert rows(batches)[2:] == [(50, 0, 5), (100, 0, 5), (100, 1, 99)]
-    assert batches[-1].marks == (Gap(START + 50 * MS, START + 100 * MS, "device B was away"),)
+    assert batches[-1].marks == (Gap(START + 50 * MS, START + 100 * MS + 1, "device B was away"),)
     check_order(batches)
 
 
