@@ -1,34 +1,36 @@
 """A cable between a tap and its server that can be cut: nothing passes, and nobody is told."""
 
 import asyncio
-import socket
 from typing import Self
-
-
-def free_port() -> int:
-    """A port of this computer that nobody listens on."""
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        port: int = probe.getsockname()[1]
-        return port
 
 
 class Cable:
     """Forwards a port of its own to a server, until it is cut."""
 
-    def __init__(self, server_port: int) -> None:
+    def __init__(self, server_port: int, port: int = 0) -> None:
         self._server_port = server_port
         self._whole = True
         self._tasks: set[asyncio.Task[None]] = set()
-        self.port = 0
+        self._listener: asyncio.Server | None = None
+        self.port = port
 
     async def __aenter__(self) -> Self:
-        self._listener = await asyncio.start_server(self._connected, "127.0.0.1", 0)
-        self.port = self._listener.sockets[0].getsockname()[1]
+        await self.open()
         return self
 
     async def __aexit__(self, *_: object) -> None:
-        self._listener.close()
+        await self.close()
+
+    async def open(self) -> None:
+        """Lets taps connect."""
+        self._listener = await asyncio.start_server(self._connected, "127.0.0.1", self.port)
+        self.port = self._listener.sockets[0].getsockname()[1]
+
+    async def close(self) -> None:
+        """Ends all connections, and lets nobody connect. May be called twice."""
+        if self._listener is not None:
+            self._listener.close()
+            self._listener = None
         for task in tuple(self._tasks):
             task.cancel()
         await asyncio.gather(*self._tasks, return_exceptions=True)

@@ -10,8 +10,9 @@ from asyncua import Server, ua
 from runglight.errors import InputError
 from runglight.taps import open_tap
 from runglight.taps.base import ConnectionState
-from tests.taps.benches_subscribed import OpcUaBench
-from tests.taps.cable import Cable, free_port
+from tests.taps.benches.bench import free_port
+from tests.taps.benches.opcua import OpcUaBench
+from tests.taps.cable import Cable
 from tests.taps.listening import Listener, check_order
 
 
@@ -155,6 +156,7 @@ def test_a_killed_server_is_a_gap_and_the_next_image_follows() -> None:
             await listener.until(lambda: listener.images)
             await bench.put("Station-Step", 1)
             await listener.until(lambda: listener.changes("Station-Step"))
+            bench.keeps = True
             await bench.kill()
             while listener.tap.connection.state is not ConnectionState.RETRYING:
                 await asyncio.sleep(0.01)

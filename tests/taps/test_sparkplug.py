@@ -2,14 +2,13 @@
 
 import asyncio
 from collections.abc import Callable
-from pathlib import Path
 
 import pytest
 
 from runglight.errors import InputError
 from runglight.taps import open_tap
 from runglight.taps.base import ConnectionState
-from tests.taps.benches_subscribed import SparkplugBench
+from tests.taps.benches.sparkplug import SparkplugBench
 from tests.taps.cable import Cable
 from tests.taps.listening import HANG_S, Listener, check_order
 from tests.taps.sparkplug_edge import Edge, metric, payload
@@ -27,11 +26,11 @@ async def eventually(seen: Callable[[], object]) -> None:
             await asyncio.sleep(0.01)
 
 
-def test_a_birth_that_was_missed_is_asked_for_and_makes_the_image(tmp_path: Path) -> None:
+def test_a_birth_that_was_missed_is_asked_for_and_makes_the_image() -> None:
     async def test() -> None:
         async with (
-            SparkplugBench(tmp_path) as bench,
-            Listener(open_tap(bench.url.replace("timeout=1", "timeout=20s"))) as listener,
+            SparkplugBench() as bench,
+            Listener(open_tap(bench.group_url.replace("timeout=1", "timeout=20s"))) as listener,
         ):
             # It is born already: its data make it known, and it is asked.
             while not listener.images:
@@ -52,10 +51,10 @@ def test_a_birth_that_was_missed_is_asked_for_and_makes_the_image(tmp_path: Path
     run(test)
 
 
-def test_the_rebirth_request_is_all_that_is_published(tmp_path: Path) -> None:
+def test_the_rebirth_request_is_all_that_is_published() -> None:
     async def test() -> None:
-        async with SparkplugBench(tmp_path) as bench:
-            async with Listener(open_tap(bench.node_url)) as listener:
+        async with SparkplugBench() as bench:
+            async with Listener(open_tap(bench.url)) as listener:
                 await listener.until(lambda: listener.images)
             assert {topic for topic, _ in bench.edge.commands} == {"spBv1.0/line/NCMD/Cell"}
             assert bench.edge.asked == len(bench.edge.commands) == 1
@@ -63,10 +62,10 @@ def test_the_rebirth_request_is_all_that_is_published(tmp_path: Path) -> None:
     run(test)
 
 
-def test_rebirth_can_be_forbidden(tmp_path: Path) -> None:
+def test_rebirth_can_be_forbidden() -> None:
     async def test() -> None:
-        async with SparkplugBench(tmp_path) as bench:
-            async with Listener(open_tap(bench.node_url + "&rebirth=no")) as listener:
+        async with SparkplugBench() as bench:
+            async with Listener(open_tap(bench.url + "&rebirth=no")) as listener:
                 await listener.until(lambda: listener.images)
                 assert listener.images == [{}]
                 await bench.edge.put("Step", 1)
@@ -82,11 +81,11 @@ def test_rebirth_can_be_forbidden(tmp_path: Path) -> None:
     run(test)
 
 
-def test_a_lost_message_is_a_gap_until_the_rebirth(tmp_path: Path) -> None:
+def test_a_lost_message_is_a_gap_until_the_rebirth() -> None:
     async def test() -> None:
         async with (
-            SparkplugBench(tmp_path) as bench,
-            Listener(open_tap(bench.node_url)) as listener,
+            SparkplugBench() as bench,
+            Listener(open_tap(bench.url)) as listener,
         ):
             await listener.until(lambda: listener.images)
             bench.edge.values["Clamp"] = 1
@@ -105,11 +104,11 @@ def test_a_lost_message_is_a_gap_until_the_rebirth(tmp_path: Path) -> None:
     run(test)
 
 
-def test_sequence_numbers_go_round(tmp_path: Path) -> None:
+def test_sequence_numbers_go_round() -> None:
     async def test() -> None:
         async with (
-            SparkplugBench(tmp_path) as bench,
-            Listener(open_tap(bench.node_url)) as listener,
+            SparkplugBench() as bench,
+            Listener(open_tap(bench.url)) as listener,
         ):
             await listener.until(lambda: listener.images)
             for step in range(600):
@@ -121,11 +120,11 @@ def test_sequence_numbers_go_round(tmp_path: Path) -> None:
     run(test)
 
 
-def test_a_device_that_died_is_a_gap_when_it_is_born_again(tmp_path: Path) -> None:
+def test_a_device_that_died_is_a_gap_when_it_is_born_again() -> None:
     async def test() -> None:
         async with (
-            SparkplugBench(tmp_path) as bench,
-            Listener(open_tap(bench.node_url)) as listener,
+            SparkplugBench() as bench,
+            Listener(open_tap(bench.url)) as listener,
         ):
             await listener.until(lambda: listener.images)
             await bench.edge.publish("DDEATH", "Station", payload([], bench.edge._next()))
@@ -139,11 +138,11 @@ def test_a_device_that_died_is_a_gap_when_it_is_born_again(tmp_path: Path) -> No
     run(test)
 
 
-def test_a_node_that_died_is_a_gap_and_an_old_will_is_not_its_death(tmp_path: Path) -> None:
+def test_a_node_that_died_is_a_gap_and_an_old_will_is_not_its_death() -> None:
     async def test() -> None:
         async with (
-            SparkplugBench(tmp_path) as bench,
-            Listener(open_tap(bench.node_url)) as listener,
+            SparkplugBench() as bench,
+            Listener(open_tap(bench.url)) as listener,
         ):
             await listener.until(lambda: listener.images)
             await bench.edge.publish("NDEATH", "", payload([metric(99, "UInt64", name="bdSeq")]))
@@ -162,11 +161,11 @@ def test_a_node_that_died_is_a_gap_and_an_old_will_is_not_its_death(tmp_path: Pa
     run(test)
 
 
-def test_historical_null_and_undecodable_are_said_and_change_nothing(tmp_path: Path) -> None:
+def test_historical_null_and_undecodable_are_said_and_change_nothing() -> None:
     async def test() -> None:
         async with (
-            SparkplugBench(tmp_path) as bench,
-            Listener(open_tap(bench.node_url)) as listener,
+            SparkplugBench() as bench,
+            Listener(open_tap(bench.url)) as listener,
         ):
             await listener.until(lambda: listener.images)
             await bench.edge.put("Step", 50, historical=True)
@@ -184,13 +183,14 @@ def test_historical_null_and_undecodable_are_said_and_change_nothing(tmp_path: P
     run(test)
 
 
-def test_a_killed_broker_is_a_gap_and_the_births_follow(tmp_path: Path) -> None:
+def test_a_killed_broker_is_a_gap_and_the_births_follow() -> None:
     async def test() -> None:
         async with (
-            SparkplugBench(tmp_path) as bench,
-            Listener(open_tap(bench.node_url)) as listener,
+            SparkplugBench() as bench,
+            Listener(open_tap(bench.url)) as listener,
         ):
             await listener.until(lambda: listener.images)
+            bench.keeps = True
             await bench.kill()
             await eventually(lambda: listener.tap.connection.state is ConnectionState.RETRYING)
             await bench.put(STEP, 6)
@@ -205,10 +205,10 @@ def test_a_killed_broker_is_a_gap_and_the_births_follow(tmp_path: Path) -> None:
     run(test)
 
 
-def test_a_cut_cable_is_noticed_by_the_keepalive(tmp_path: Path) -> None:
+def test_a_cut_cable_is_noticed_by_the_keepalive() -> None:
     async def test() -> None:
-        async with SparkplugBench(tmp_path) as bench, Cable(bench.port) as cable:
-            url = bench.node_url.replace(str(bench.port), str(cable.port))
+        async with SparkplugBench() as bench, Cable(bench.port) as cable:
+            url = bench.url_at(cable.port)
             async with Listener(open_tap(url)) as listener:
                 await listener.until(lambda: listener.images)
                 cable.cut()
@@ -220,22 +220,22 @@ def test_a_cut_cable_is_noticed_by_the_keepalive(tmp_path: Path) -> None:
     run(test)
 
 
-def test_check_answers_from_the_births(tmp_path: Path) -> None:
+def test_check_answers_from_the_births() -> None:
     async def test() -> None:
-        async with SparkplugBench(tmp_path) as bench:
-            answers = await open_tap(bench.node_url).check()
+        async with SparkplugBench() as bench:
+            answers = await open_tap(bench.url).check()
             assert {answer.signal.name: answer.value for answer in answers} == {CLAMP: 0, STEP: 0}
 
     run(test)
 
 
-def test_a_node_that_does_not_answer_is_not_asked_all_the_time(tmp_path: Path) -> None:
+def test_a_node_that_does_not_answer_is_not_asked_all_the_time() -> None:
     async def test() -> None:
-        async with SparkplugBench(tmp_path) as bench:
+        async with SparkplugBench() as bench:
             await bench.edge.stop()
-            bench.edge = Edge(bench.port, answers=False)
+            bench.edge = Edge(bench.broker.port, answers=False)
             await bench.edge.start()
-            async with Listener(open_tap(bench.url)) as listener:
+            async with Listener(open_tap(bench.group_url)) as listener:
                 await listener.until(lambda: listener.images)
                 for step in range(50):
                     await bench.edge.put("Step", step)

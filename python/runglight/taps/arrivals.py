@@ -48,6 +48,16 @@ class Arrivals:
         return sum(times.implausible for times in self._source_times.values())
 
     @property
+    def waiting(self) -> int:
+        """Values that nobody has taken yet."""
+        return len(self._waiting)
+
+    @property
+    def unread(self) -> bool:
+        """Whether batches lie ready that nobody has taken."""
+        return bool(self._ready)
+
+    @property
     def values(self) -> Mapping[int, int]:
         """The last value of each signal that is known to stand."""
         return self._values

@@ -1,26 +1,27 @@
-"""How long to wait before trying a lost source again."""
+"""How long to wait before the next attempt to connect."""
 
 import random
+from collections.abc import Callable
+
+FIRST_NS = 100_000_000
+LONGEST_NS = 5_000_000_000
+JITTER = 0.2
+"""Waits differ by up to this part, so that many taps do not fall upon a PLC at one moment."""
 
 
 class Backoff:
-    """Waits that double from `first_s` to `most_s`, with jitter.
+    """Waits double from 0.1 s to 5 s until something succeeds."""
 
-    Jitter (each wait is between half and all of its nominal length) keeps many taps of one broken
-    server from knocking at the same moment.
-    """
+    def __init__(self, chance: Callable[[], float] = random.random) -> None:
+        self._chance = chance
+        self._next_ns = FIRST_NS
 
-    def __init__(self, first_s: float = 0.1, most_s: float = 5.0) -> None:
-        self._first_s = first_s
-        self._most_s = most_s
-        self._nominal_s = first_s
-
-    def next_s(self) -> float:
-        """Seconds to wait before the next try."""
-        wait_s = self._nominal_s * random.uniform(0.5, 1.0)
-        self._nominal_s = min(self._nominal_s * 2, self._most_s)
-        return wait_s
+    def wait_ns(self) -> int:
+        """The next wait, in nanoseconds."""
+        wait_ns = self._next_ns * (1 + JITTER * (2 * self._chance() - 1))
+        self._next_ns = min(2 * self._next_ns, LONGEST_NS)
+        return min(round(wait_ns), LONGEST_NS)
 
     def reset(self) -> None:
-        """The source answered: the next loss starts from the shortest wait again."""
-        self._nominal_s = self._first_s
+        """It worked: the next wait is the shortest again."""
+        self._next_ns = FIRST_NS

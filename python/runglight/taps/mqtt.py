@@ -87,6 +87,8 @@ class MqttTap(SubscribedTap):
         while (message := await inbox.next(RETAINED_S)) is not None and message.retain:
             topic = str(message.topic)
             members += [(topic, member) for member in read_payload(payload_bytes(message))]
+        # The broker sends them in no order of note; indices should not change from run to run.
+        members.sort(key=lambda retained: retained[0])
         return members, message
 
     def _take(self, message: aiomqtt.Message) -> None:

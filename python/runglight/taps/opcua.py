@@ -230,7 +230,10 @@ class _Handler:
     def datachange_notification(self, node: Node, val: Any, data: DataChangeNotif) -> None:
         index = self._indices.get(node.nodeid)
         if index is not None and data.monitored_item.Value is not None:
-            self._tap.changed(index, data.monitored_item.Value)
+            try:
+                self._tap.changed(index, data.monitored_item.Value)
+            except SourceLost as lost:
+                self._tap.ended(str(lost))
 
     def status_change_notification(self, status: ua.StatusChangeNotification) -> None:
         self._tap.ended(f"the server ended the subscription: {status.Status.name}")

@@ -22,6 +22,9 @@ from runglight.taps.url import SourceUrl
 
 YES = {"yes": True, "true": True, "1": True, "on": True}
 NO = {"no": False, "false": False, "0": False, "off": False}
+MOST_WAITING = 1_000_000
+"""Values; a reader that far behind loses the connection, which shows as a gap."""
+LOOK_AGAIN_S = 0.05
 INT64 = range(-(1 << 63), 1 << 63)
 
 
@@ -130,8 +133,10 @@ class SubscribedTap(Tap):
         self.wake()
 
     def wake(self) -> None:
-        """Something was put into `arrivals`."""
+        """Something was put into `arrivals`; SourceLost where nobody has taken it for long."""
         self._news.set()
+        if self.arrivals.waiting > MOST_WAITING:
+            raise SourceLost("the reader does not keep up with the source")
 
     @property
     def was_connected(self) -> bool:
@@ -179,6 +184,8 @@ class SubscribedTap(Tap):
 
     async def _keep_connected(self) -> None:
         while True:
+            while self.arrivals.unread:
+                await asyncio.sleep(LOOK_AGAIN_S)
             try:
                 await self.session()
                 reason = "the source ended the connection"
@@ -189,7 +196,7 @@ class SubscribedTap(Tap):
                 ConnectionState.RETRYING, self.connection.reconnects, reason
             )
             self.wake()
-            await asyncio.sleep(self._backoff.next_s())
+            await asyncio.sleep(self._backoff.wait_ns() / 1e9)
 
 
 def _sentence(error: Exception) -> str:
