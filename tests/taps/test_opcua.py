@@ -85,7 +85,7 @@ def test_every_change_between_two_publishings_is_seen_in_order() -> None:
     run(test)
 
 
-def test_a_queue_that_ran_over_is_said() -> None:
+def test_a_queue_that_ran_over_is_said_and_is_a_gap() -> None:
     async def test() -> None:
         async with (
             OpcUaBench() as bench,
@@ -94,8 +94,17 @@ def test_a_queue_that_ran_over_is_said() -> None:
             await listener.until(lambda: listener.images)
             for step in range(1, 31):
                 await bench.put("Station-Step", step)
-            await listener.until(lambda: 30 in listener.changes("Station-Step"))
-            assert len(listener.changes("Station-Step")) < 30
+            await listener.until(lambda: len(listener.images) > 1)
+            await listener.until(
+                lambda: (
+                    listener.images[-1]["Station-Step"] == 30
+                    or 30 in listener.changes("Station-Step")
+                )
+            )
+            assert len(listener.changes("Station-Step")) < 29
+            assert "queue ran over" in listener.gaps[0].reason
+            assert any("raise queue=2" in line for line in listener.tap.notices)
+            check_order(listener.batches)
 
     run(test)
 

@@ -176,7 +176,7 @@ def test_historical_null_and_undecodable_are_said_and_change_nothing() -> None:
             await bench.edge.put("Step", 4)
             await listener.until(lambda: listener.changes(STEP) == [4])
             said = "\n".join(listener.tap.notices)
-            assert "historical" in said
+            assert f"history of {STEP}" in said
             assert "is null" in said
             assert "spBv1.0/line/DDATA/Cell/Station: ends in the middle" in said
 

@@ -119,7 +119,11 @@ class OpcUaTap(SubscribedTap):
         name = self.signals[index].name
         status = value.StatusCode or ua.StatusCode()
         if status.value & OVERFLOW == OVERFLOW:
-            self.left_out.add(f"{name} ", f"changes were lost, raise queue={self._queue}")
+            # What the server threw away was not seen, as if the signal had been away.
+            reason = f"losing changes on the server, whose queue ran over (queue={self._queue})"
+            self.left_out.add(f"queue of {name}", f"ran over, raise queue={self._queue}")
+            self._bad_since.setdefault(index, (self._clock.now_ns(), reason))
+            self.arrivals.forget([index])
         content = None if value.Value is None else value.Value.Value
         if status.is_bad():
             self._held(index, status.name)

@@ -1,12 +1,14 @@
 """How a tap proves itself to an OPC UA server: policy, certificate, key, user."""
 
+from contextlib import suppress
 from pathlib import Path
 from typing import Any
 
 from asyncua.client.client import Client
-from asyncua.crypto import security_policies
+from asyncua.crypto import security_policies, uacrypto
 from asyncua.ua import MessageSecurityMode
 from asyncua.ua.status_codes import StatusCodes
+from cryptography import x509
 
 from runglight.errors import InputError
 from runglight.nearest import suggestion
@@ -57,6 +59,12 @@ async def secure(client: Client, url: SourceUrl) -> None:
         client.set_password(url.password or "")
     policy = POLICIES.get(url.options.get("security", "none"))
     if policy is not None:
+        # Servers refuse a client that calls itself otherwise than its certificate does.
+        certificate = await uacrypto.load_certificate(Path(url.options["certificate"]))
+        with suppress(x509.ExtensionNotFound, IndexError):
+            names = certificate.extensions.get_extension_for_class(x509.SubjectAlternativeName)
+            uris = names.value.get_values_for_type(x509.UniformResourceIdentifier)
+            client.application_uri = uris[0]
         await client.set_security(
             policy,
             certificate=url.options["certificate"],

@@ -208,9 +208,8 @@ class SparkplugTap(SubscribedTap):
                 self.left_out.add(_called(node, device), "sent a metric its birth does not name")
                 self._wish_birth(node)
             elif metric.historical:
-                self.left_out.add(
-                    f"{_name(node, born)} ", "historical values came, which are not of now"
-                )
+                name = _name(node, born)
+                self.left_out.add(f"history of {name}", "is not of now, and came too late to be")
             elif born.datatype in IEC_TYPES and not born.name.startswith(_CONTROL):
                 value = self._value(node, born, metric)
                 if value is not None:
