@@ -58,6 +58,7 @@ class SparkplugTap(SubscribedTap):
         self._nodes: dict[tuple[str, str], EdgeNode] = {}
         self._to_ask: list[EdgeNode] = []
         self._image: dict[int, int] | None = None
+        self._last_birth_ns = 0
         self._returned: dict[int, int] = {}
         self._returned_since_ns: int | None = None
         self._returned_reason = ""
@@ -123,15 +124,16 @@ class SparkplugTap(SubscribedTap):
             self._to_ask.append(node)
         await self._ask(client)
         deadline_ns = self._clock.now_ns() + round(self.timeout_s * 1e9)
-        while (left_ns := deadline_ns - self._clock.now_ns()) > 0:
-            all_born = bool(self._nodes) and all(node.born for node in self._nodes.values())
-            left_s = left_ns / 1e9
-            message = await inbox.next(min(BURST_S, left_s) if all_born else left_s)
-            if message is not None:
-                self._take(message)
-                await self._ask(client)
-            elif all_born:
+        while True:
+            due_ns = deadline_ns
+            if self._nodes and all(node.born for node in self._nodes.values()):
+                due_ns = min(due_ns, self._last_birth_ns + round(BURST_S * 1e9))
+            left_s = (due_ns - self._clock.now_ns()) / 1e9
+            message = await inbox.next(left_s) if left_s > 0 else None
+            if message is None:
                 break
+            self._take(message)
+            await self._ask(client)
         self._image = None
         return image
 
@@ -173,6 +175,7 @@ class SparkplugTap(SubscribedTap):
         else:
             self._in_sequence(node, payload)
         node.birth(device, payload)
+        self._last_birth_ns = self._clock.now_ns()
         since_ns = node.unseen_since_ns.pop(device, None)
         for metric in payload.metrics:
             if metric.name is None or metric.name == "bdSeq" or metric.name.startswith(_CONTROL):
