@@ -42,6 +42,10 @@ class Arrivals:
         self.late = 0
         """Values that came after their time had been handed on."""
 
+    def widen(self, reorder_ns: int) -> None:
+        """Values are known to lie about for that long before they are sent."""
+        self._reorder_ns = max(self._reorder_ns, reorder_ns)
+
     @property
     def implausible(self) -> int:
         """Time stamps that were no time of this moment."""

@@ -8,6 +8,7 @@ publishings are not lost. Callbacks are used, not asyncua's iterator, which drop
 import asyncio
 import logging
 import struct
+import time
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
 from datetime import UTC, datetime
@@ -16,7 +17,7 @@ from typing import Any, ClassVar
 from asyncua import ua
 from asyncua.client.client import Client
 from asyncua.common.node import Node
-from asyncua.common.subscription import DataChangeNotif
+from asyncua.common.subscription import DataChangeNotif, Subscription
 from asyncua.ua import uaerrors
 
 from runglight.errors import InputError
@@ -30,6 +31,7 @@ from runglight.taps.url import SourceUrl
 QUEUE = 50
 """Values the server keeps per variable between two publishings."""
 PUBLISH_S = 0.01
+KEEP_ALIVE_S = 1.0
 SESSION_MS = 30_000
 OVERFLOW = 0x0480
 """Status bits: the info type is DataValue and the queue ran over (OPC 10000-4, 7.39.1)."""
@@ -93,7 +95,7 @@ class OpcUaTap(SubscribedTap):
             if not indices:
                 self._image_complete.set()
             handler = _Handler(self, indices)
-            subscription = await client.create_subscription(self._publish_ms, handler)
+            subscription, silence_s = await self._subscription(client, handler)
             for part in chunks(variables):
                 nodes = [client.get_node(variable.node_id) for variable in part]
                 results: list[int | ua.StatusCode] = await subscription.subscribe_data_change(
@@ -109,10 +111,10 @@ class OpcUaTap(SubscribedTap):
             self.arrivals.image(self._image)
             self._image = None
             self.connected()
-            subscription_id = subscription.subscription_id
-            while subscription.subscription_id == subscription_id:
+            subscribed_s = time.monotonic()
+            while time.monotonic() - (subscription.last_publish_at or subscribed_s) < silence_s:
                 await self._sign_of_life(client)
-            raise SourceLost("the server dropped the subscription")
+            raise SourceLost("the server answers, but its subscription has fallen silent")
 
     def changed(self, index: int, value: ua.DataValue) -> None:
         """The server sent a value of a signal."""
@@ -132,6 +134,29 @@ class OpcUaTap(SubscribedTap):
         else:
             self._good(index, int(content), value.SourceTimestamp or value.ServerTimestamp)
         self._arrived(index)
+
+    async def _subscription(
+        self, client: Client, handler: "_Handler"
+    ) -> tuple[Subscription, float]:
+        """A subscription, and the seconds of silence after which it is dead.
+
+        asyncua's own `create_subscription` hides the publishing interval the server grants, and
+        asks for keep-alives minutes apart.
+        """
+        parameters = ua.CreateSubscriptionParameters()
+        parameters.RequestedPublishingInterval = ua.Duration(self._publish_ms)
+        keep_alives = max(round(KEEP_ALIVE_S * 1000 / self._publish_ms), 1)
+        parameters.RequestedMaxKeepAliveCount = ua.Counter(keep_alives)
+        parameters.RequestedLifetimeCount = ua.Counter(keep_alives * 60)
+        parameters.MaxNotificationsPerPublish = ua.Counter(10_000)
+        parameters.PublishingEnabled = True
+        subscription = Subscription(client.uaclient.session, parameters, handler)
+        granted = await subscription.init()
+        publish_s = granted.RevisedPublishingInterval / 1000
+        # Values wait on the server for up to one interval: their order is only known after it.
+        self.arrivals.widen(round((publish_s + PUBLISH_S) * 1e9))
+        keep_alive_s = publish_s * max(granted.RevisedMaxKeepAliveCount, 1)
+        return subscription, 2 * keep_alive_s + self.timeout_s
 
     def ended(self, reason: str) -> None:
         """The session cannot go on."""

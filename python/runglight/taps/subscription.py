@@ -25,6 +25,8 @@ NO = {"no": False, "false": False, "0": False, "off": False}
 MOST_WAITING = 1_000_000
 """Values; a reader that far behind loses the connection, which shows as a gap."""
 LOOK_AGAIN_S = 0.05
+REORDER_S = 0.05
+"""Every finding waits for it; enough for one server, and for publishers in one network."""
 INT64 = range(-(1 << 63), 1 << 63)
 
 
@@ -50,7 +52,7 @@ class SubscribedTap(Tap):
         self.interval_ns = None
         self.left_out = LeftOut()
         self.timeout_s = self.duration("timeout", 2.0)
-        reorder_s = self.duration("reorder", 0.2, zero=True)
+        reorder_s = self.duration("reorder", REORDER_S, zero=True)
         self.arrivals = Arrivals(clock, round(reorder_s * 1e9), stamped=self.stamped)
         self._indices: dict[str, int] = {}
         self._names: set[str] = set()
