@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import socket
 import ssl
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager, suppress
@@ -17,6 +18,9 @@ from runglight.taps.url import SourceUrl
 KEEPALIVE_S = 5.0
 """Without a word for one and a half of this, the connection counts as lost."""
 TLS_PORT = 8883
+QOS = 0
+"""Acknowledging every message is slower by six times, and a broker throws away what waits too long;
+on one TCP connection nothing else is lost, and a lost connection is a gap in any case."""
 _NOT_LET_IN = ("bad user name or password", "not authorized", "identifier rejected", "banned")
 
 # aiomqtt logs what it also raises.
@@ -58,6 +62,8 @@ class BrokerOptions:
             timeout=self._timeout_s,
             tls_context=await self._context(),
             logger=_LOGGER,
+            # Small packets, such as keep-alives and rebirth requests, are not to wait for company.
+            socket_options=[(socket.IPPROTO_TCP, socket.TCP_NODELAY, 1)],
         )
         try:
             # Connecting blocks a thread for as long as the system likes.

@@ -11,7 +11,7 @@ import aiomqtt
 
 from runglight.errors import InputError
 from runglight.taps.base import Answer, TapSignal
-from runglight.taps.broker import BrokerOptions, Inbox, payload_bytes
+from runglight.taps.broker import QOS, BrokerOptions, Inbox, payload_bytes
 from runglight.taps.clock import Clock
 from runglight.taps.mqtt_payload import Member, read_payload
 from runglight.taps.subscription import SourceLost, SubscribedTap
@@ -72,7 +72,7 @@ class MqttTap(SubscribedTap):
                 inbox.close()
 
     async def _subscribe(self, client: aiomqtt.Client) -> None:
-        for granted in await client.subscribe(self._filter, qos=1):
+        for granted in await client.subscribe(self._filter, qos=QOS):
             if getattr(granted, "is_failure", False):
                 message = f"the broker refuses {self._filter}: {granted}"
                 if self.was_connected:

@@ -13,7 +13,7 @@ import aiomqtt
 
 from runglight.errors import InputError
 from runglight.taps.base import Answer, TapSignal
-from runglight.taps.broker import BrokerOptions, Inbox, payload_bytes
+from runglight.taps.broker import QOS, BrokerOptions, Inbox, payload_bytes
 from runglight.taps.clock import Clock
 from runglight.taps.sparkplug_node import NODE, Born, EdgeNode
 from runglight.taps.sparkplug_payload import (
@@ -103,7 +103,7 @@ class SparkplugTap(SubscribedTap):
             *(f"{NAMESPACE}/{self._group}/{kind}/{self._node}" for kind in NODE_KINDS),
             *(f"{NAMESPACE}/{self._group}/{kind}/{self._node}/+" for kind in DEVICE_KINDS),
         ]
-        for granted in await client.subscribe([(topic, 1) for topic in topics]):
+        for granted in await client.subscribe([(topic, QOS) for topic in topics]):
             if getattr(granted, "is_failure", False):
                 message = f"the broker refuses a subscription to {NAMESPACE}/{self._group}"
                 if self.was_connected:
