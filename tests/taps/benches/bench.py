@@ -11,7 +11,7 @@ class Bench(ABC):
     """Values can be changed, and the server killed; a replayed log has neither."""
     polls = True
     """Batches tell the time of every scan."""
-    signals: list[str]
+    signals: tuple[str, ...]
     """Names of the signals at `url`, in the order of their indices."""
     changing: str
     """The signal that `change` changes."""

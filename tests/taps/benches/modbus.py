@@ -17,11 +17,11 @@ def registers(count: int) -> list[SimData]:
 
 
 class ModbusBench(Bench):
-    signals = [
+    signals = (
         *(f"1{number:04}" for number in range(1, 9)),
         *(f"0{number:04}" for number in range(1, 17)),
         *(f"4{number:04}" for number in range(1, 5)),
-    ]
+    )
     changing = "00004"
     name_of_missing = "40006"
 

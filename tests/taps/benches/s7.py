@@ -13,12 +13,12 @@ def bit_names(prefix: str, count: int) -> list[str]:
 
 
 class S7Bench(Bench):
-    signals = [
+    signals = (
         *bit_names("I", 3),
         *bit_names("Q", 2),
         *bit_names("M", 2),
         *bit_names("DB1.DBX", 5),
-    ]
+    )
     changing = "Q1.2"
     name_of_missing = "DB1.DBX9.0"
 
