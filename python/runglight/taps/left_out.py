@@ -25,10 +25,6 @@ class LeftOut:
         self._reasons.pop(name, None)
         self._times.pop(name, None)
 
-    def times(self, name: str) -> int:
-        """How often `name` was left out."""
-        return self._times.get(name, 0)
-
     def sentences(self) -> list[str]:
         """One line per name, in the order they were met."""
         lines = [

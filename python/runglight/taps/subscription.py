@@ -122,10 +122,6 @@ class SubscribedTap(Tap):
             self.signals.append(signal)
         return index
 
-    def known_index(self, address: str) -> int | None:
-        """The index of a signal that was seen before."""
-        return self._indices.get(address)
-
     def connected(self) -> None:
         """The source answers and the image is complete."""
         self._backoff.reset()
