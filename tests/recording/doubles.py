@@ -3,7 +3,7 @@
 import asyncio
 import time
 from collections.abc import AsyncIterator, Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -68,7 +68,9 @@ def batches(draw: st.DrawFn, most: int = 8) -> list[Batch]:
             marks.append(Gap(start, now, draw(st.text("aäΩ;\0\n ", max_size=8))))
         if draw(st.booleans()):
             marks.append(ClockStep(now, draw(st.integers(-(10**13), 10**13))))
-        steps = draw(st.lists(st.integers(0, draw(st.sampled_from([3, 10**6, 10**11]))), max_size=9))
+        steps = draw(
+            st.lists(st.integers(0, draw(st.sampled_from([3, 10**6, 10**11]))), max_size=9)
+        )
         scans = draw(st.lists(st.integers(0, 10**9), max_size=9))
         time_ns = now + np.cumsum(np.array(steps, np.int64), dtype=np.int64)
         scan_ns = now + np.cumsum(np.array(scans, np.int64), dtype=np.int64)
@@ -112,22 +114,22 @@ def rows_of(given: Sequence[Batch]) -> list[tuple[int, str, int]]:
     return [
         (int(time_ns), SIGNALS[index].name, int(value))
         for each in given
-        for time_ns, index, value in zip(
-            each.time_ns, each.signal_index, each.value, strict=True
-        )
+        for time_ns, index, value in zip(each.time_ns, each.signal_index, each.value, strict=True)
     ]
+
+
+@dataclass
+class Tapped:
+    """What a recorder knows of a tap."""
+
+    signals: list[TapSignal] = field(default_factory=lambda: list(SIGNALS))
+    url: str = "double:"
+    interval_ns: int | None = 10_000_000
 
 
 def recorder(directory: Path, seal_at: SealAt | None = None, reserve_bytes: int = 0) -> Recorder:
     """A recorder of `SIGNALS`."""
-    return Recorder(
-        directory,
-        signals=SIGNALS,
-        source="double:",
-        interval_ns=10_000_000,
-        seal_at=seal_at,
-        reserve_bytes=reserve_bytes,
-    )
+    return Recorder(directory, Tapped(), seal_at=seal_at, reserve_bytes=reserve_bytes)
 
 
 def record(directory: Path, given: Sequence[Batch], seal_at: SealAt | None = None) -> None:

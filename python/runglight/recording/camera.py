@@ -11,6 +11,7 @@ import shutil
 import time
 from abc import ABC, abstractmethod
 from pathlib import Path
+from urllib.parse import urlsplit
 
 from runglight.errors import InputError
 from runglight.recording import exif
@@ -121,6 +122,7 @@ class FfmpegCamera(Camera):
         super().__init__(recording)
         self._program = program
         self._source = source
+        self._shown = _without_password(source)
         self._clock = clock
         self._interval_ns = round(interval_s * 1e9)
 
@@ -131,7 +133,7 @@ class FfmpegCamera(Camera):
             try:
                 self.trouble = await self._stream()
             except OSError as error:
-                self.trouble = f"{self._source}: {error.strerror}"
+                self.trouble = f"{self._shown}: {error.strerror}"
             await asyncio.sleep(max(RETRY_S - (time.monotonic() - began), 0.0))
 
     def _arguments(self) -> list[str]:
@@ -157,8 +159,9 @@ class FfmpegCamera(Camera):
         complaints = asyncio.create_task(process.stderr.read())
         try:
             await self._take_all(process.stdout)
-            said = (await complaints).decode("utf-8", "replace").split("\n")
-            return f"{self._source}: {said[0].strip() or 'the camera sends no more'}"
+            said = (await complaints).decode("utf-8", "replace").partition("\n")[0].strip()
+            said = said.replace(self._source, self._shown) or "the camera sends no more"
+            return said if self._shown in said else f"{self._shown}: {said}"
         finally:
             complaints.cancel()
             if process.returncode is None:
@@ -180,6 +183,13 @@ class FfmpegCamera(Camera):
                 gathered = gathered[end:]
             if len(gathered) > _LARGEST_PHOTO_BYTES:
                 gathered = b""
+
+
+def _without_password(source: str) -> str:
+    if not source.startswith(_ADDRESSES):
+        return source
+    parts = urlsplit(source)
+    return parts._replace(netloc=parts.netloc.rpartition("@")[2]).geturl()
 
 
 def _first_jpeg(content: bytes) -> tuple[int, int] | None:

@@ -10,12 +10,12 @@ from __future__ import annotations
 import sqlite3
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Protocol, Self
 
 from runglight.errors import InputError
 from runglight.moments import iso
@@ -36,11 +36,11 @@ from runglight.recording.layout import (
     sealed_numbers,
 )
 from runglight.recording.lock import DirectoryLock
-from runglight.recording.numbering import Numbering, Rename
+from runglight.recording.numbering import Numbering
 from runglight.recording.segment import read_head, seal
 from runglight.recording.session import Session
 from runglight.recording.tail import Tail, TailState
-from runglight.taps.base import Batch, Tap, TapSignal
+from runglight.taps.base import Batch, TapSignal
 
 COMMIT_S = 0.2
 QUIET_COMMIT_S = 1.0
@@ -58,21 +58,33 @@ class SealAt:
     age_s: float = 600.0
 
 
+class Tapped(Protocol):
+    """What a recorder must know of a `Tap`."""
+
+    @property
+    def url(self) -> str:
+        """Where it taps, without secrets."""
+
+    @property
+    def signals(self) -> list[TapSignal]:
+        """Grows only."""
+
+    @property
+    def interval_ns(self) -> int | None:
+        """Wanted time between two scans."""
+
+
 class Recorder:
     """Writes one recording; InputError where another recorder does, or where it cannot.
 
-    `signals` is the tap's own list, which may go on growing. A directory that is a recording is
-    gone on with: the time between is a gap.
+    A directory that is a recording is gone on with: the time between is a gap.
     """
 
     def __init__(
         self,
         directory: Path,
+        tap: Tapped,
         *,
-        signals: Sequence[TapSignal],
-        source: str,
-        interval_ns: int | None = None,
-        rename: Rename | None = None,
         reserve_bytes: int = disk.RESERVE_BYTES,
         seal_at: SealAt | None = None,
     ) -> None:
@@ -82,6 +94,7 @@ class Recorder:
         self.scans = 0
         self.until_ns = 0
         """Up to here everything is on the disk."""
+        self._tap = tap
         self._reserve_bytes = reserve_bytes
         self._seal_at = seal_at or SealAt()
         _prepare(directory)
@@ -92,8 +105,9 @@ class Recorder:
         try:
             _sweep(directory)
             disk.check_reserve(directory, reserve_bytes, 0)
-            self._description = _described(directory, source, interval_ns)
-            self._numbering = Numbering(directory, self._description, signals, rename)
+            self._description = _described(directory, tap.url, tap.interval_ns)
+            self._signals = tap.signals
+            self._numbering = Numbering(directory, self._description, self._signals)
             self._tail = Tail(directory, _state_of_segments(directory))
         except (sqlite3.Error, OSError) as error:
             self._lock.release()
@@ -117,31 +131,14 @@ class Recorder:
         self._writer = threading.Thread(target=self._run, name="runglight-recorder", daemon=True)
         self._writer.start()
 
-    @classmethod
-    def of(
-        cls,
-        tap: Tap,
-        directory: Path,
-        *,
-        rename: Rename | None = None,
-        reserve_bytes: int = disk.RESERVE_BYTES,
-    ) -> Self:
-        """A recorder of what a tap gives."""
-        return cls(
-            directory,
-            signals=tap.signals,
-            source=tap.url,
-            interval_ns=tap.interval_ns,
-            rename=rename,
-            reserve_bytes=reserve_bytes,
-        )
-
     def append(self, batch: Batch) -> None:
         """Takes a batch; InputError where recording had to stop (what was there is kept)."""
         self.check()
         if self._closed:
             raise ValueError("the recorder is closed")
         taken = self._session.taken(batch)
+        # Looked at in the tap's own thread, and before the batch that may count on it.
+        self._signals = self._tap.signals
         with self._queue_lock:
             self._queue.append(taken)
         self.rows += len(batch)
@@ -231,7 +228,7 @@ class Recorder:
             with self._queue_lock:
                 self._queue[:0] = batches[-1:]
             return
-        block = Block.of(batches, self._numbering.numbers())
+        block = Block.of(batches, self._numbering.numbers(self._signals))
         self._tail.append(block)
         self._committed = time.monotonic()
         self.until_ns = block.until_ns

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from runglight.recording.block import Block, Integers
-from runglight.taps.base import ClockStep, Gap, Mark
+from runglight.taps.base import Batch, ClockStep, Gap, Mark
 
 
 @dataclass(frozen=True, slots=True)
@@ -86,6 +86,12 @@ class TimeRange:
             timed.start_ns if self.since_ns is None else max(timed.start_ns, self.since_ns),
             timed.until_ns if self.until_ns is None else min(timed.until_ns, self.until_ns),
         )
+
+
+def batch_start_ns(batch: Batch) -> int:
+    """When the first of what a batch tells happened."""
+    firsts = (int(times[0]) for times in (batch.time_ns, batch.scan_ns) if len(times))
+    return min([batch.until_ns, *firsts, *map(begin_ns, batch.marks)])
 
 
 def gaps_of(marks: Iterable[Mark]) -> list[tuple[int, int]]:
