@@ -15,6 +15,7 @@ from runglight.errors import InputError
 from runglight.recording.read import open_recording, read_recording
 from runglight.recording.recorder import Recorder, SealAt
 from runglight.recording.session import CUT_OFF, STOPPED
+from runglight.recording.tail import read_tail
 from runglight.taps.base import Batch, ClockStep, Gap, TapSignal
 from runglight.taps.named import NamedTap
 from tests.recording.doubles import (
@@ -214,6 +215,8 @@ def test_a_quiet_machine_is_recorded_too(tmp_path: Path) -> None:
         eventually(lambda: quiet.until_ns == at(1))
         quiet.append(batch(2))
     assert open_recording(tmp_path).until_ns == at(2)
+    state, blocks = read_tail(tmp_path)
+    assert (state.until_ns, blocks) == (at(2), [])
 
 
 def test_after_closing_nothing_is_taken(tmp_path: Path) -> None:

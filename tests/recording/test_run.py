@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 
 from runglight.errors import InputError
-from runglight.recording.camera import ImageFolder
+from runglight.recording.image_folder import ImageFolder
 from runglight.recording.meter import Meter
 from runglight.recording.photos import photos
 from runglight.recording.read import open_recording, read_recording

@@ -134,7 +134,7 @@ class _Run:
     async def _record(self) -> None:
         # Loaded when something is recorded: NumPy and SQLite.
         from runglight.cli.record_status import RecordStatus  # noqa: PLC0415
-        from runglight.recording.camera import camera_of  # noqa: PLC0415
+        from runglight.recording.cameras import camera_of  # noqa: PLC0415
         from runglight.recording.meter import Meter  # noqa: PLC0415
         from runglight.recording.recorder import Recorder  # noqa: PLC0415
         from runglight.recording.run import record as run  # noqa: PLC0415

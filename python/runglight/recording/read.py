@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from datetime import datetime
 from os import PathLike
 from pathlib import Path
@@ -83,8 +83,11 @@ def _tail_and_segments(path: Path, notes: list[str]) -> tuple[list[Stretch], lis
         notes.append(f"{TAIL} is missing: what was not yet in a segment is not there")
         return [], _up_to(numbers[-1] if numbers else 0)
     state, blocks = read_tail(path)
-    tail = [Stretch.of([block for _, block in blocks])] if blocks else []
-    return tail, _up_to(state.segments)
+    if not state.until_ns:
+        return [], []
+    # Time may have gone on since the last block.
+    tail = Stretch.of([block for _, block in blocks]) if blocks else Stretch.quiet(state.until_ns)
+    return [replace(tail, until_ns=state.until_ns)], _up_to(state.segments)
 
 
 def _up_to(number: int) -> list[int]:

@@ -18,28 +18,13 @@ from types import TracebackType
 from typing import Protocol, Self
 
 from runglight.errors import InputError
-from runglight.moments import iso
-from runglight.recording import disk
+from runglight.recording import disk, place
 from runglight.recording.block import Block
-from runglight.recording.description import (
-    FORMAT,
-    Description,
-    read_description,
-    write_description,
-)
-from runglight.recording.layout import (
-    DESCRIPTION,
-    LOCK,
-    PHOTOS,
-    SEGMENTS,
-    is_recording,
-    sealed_numbers,
-)
 from runglight.recording.lock import DirectoryLock
 from runglight.recording.numbering import Numbering
-from runglight.recording.segment import read_head, seal
+from runglight.recording.segment import seal
 from runglight.recording.session import Session
-from runglight.recording.tail import Tail, TailState
+from runglight.recording.tail import Tail
 from runglight.taps.base import Batch, TapSignal
 
 COMMIT_S = 0.2
@@ -97,18 +82,18 @@ class Recorder:
         self._tap = tap
         self._reserve_bytes = reserve_bytes
         self._seal_at = seal_at or SealAt()
-        _prepare(directory)
+        place.prepare(directory)
         try:
             self._lock = DirectoryLock(directory)
         except OSError as error:
             raise disk.stopped(directory, error, 0) from None
         try:
-            _sweep(directory)
+            place.sweep(directory)
             disk.check_reserve(directory, reserve_bytes, 0)
-            self._description = _described(directory, tap.url, tap.interval_ns)
+            self._description = place.described(directory, tap.url, tap.interval_ns)
             self._signals = tap.signals
             self._numbering = Numbering(directory, self._description, self._signals)
-            self._tail = Tail(directory, _state_of_segments(directory))
+            self._tail = Tail(directory, place.state_of_segments(directory))
         except (sqlite3.Error, OSError) as error:
             self._lock.release()
             raise disk.stopped(directory, error, 0) from None
@@ -229,7 +214,10 @@ class Recorder:
                 self._queue[:0] = batches[-1:]
             return
         block = Block.of(batches, self._numbering.numbers(self._signals))
-        self._tail.append(block)
+        if told_something:
+            self._tail.append(block)
+        else:
+            self._tail.advance(block.until_ns)
         self._committed = time.monotonic()
         self.until_ns = block.until_ns
         self._unsealed_rows += len(block.time_ns)
@@ -268,51 +256,3 @@ class Recorder:
             return
         self._tail.seal(number, last_block)
         self._unsealed_rows, self._unsealed_scans = self._tail.unsealed()
-
-
-def _prepare(directory: Path) -> None:
-    """A place for a recording: new, empty, or a recording; InputError for anything else."""
-    if directory.exists() and not directory.is_dir():
-        raise InputError(f"{directory}: is a file; name a directory to record to")
-    try:
-        if directory.is_dir() and not is_recording(directory):
-            # What a recorder leaves that was killed before it described anything is no hindrance.
-            ours = (LOCK, SEGMENTS, f".{DESCRIPTION}.")
-            if any(not path.name.startswith(ours) for path in directory.iterdir()):
-                raise InputError(
-                    f"{directory}: is not empty and no recording; name another directory"
-                )
-        (directory / SEGMENTS).mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise disk.stopped(directory, error, 0) from None
-
-
-def _sweep(directory: Path) -> None:
-    """Takes away the temporary files of a recorder that was killed."""
-    for place, names in ((directory, f".{DESCRIPTION}.*"), (SEGMENTS, ".*"), (PHOTOS, ".*")):
-        for path in (directory / place).glob(names):
-            path.unlink()
-
-
-def _described(directory: Path, source: str, interval_ns: int | None) -> Description:
-    """The description there is, brought up to date, or a new one."""
-    if is_recording(directory):
-        description = read_description(directory)
-        if (description.source, description.interval_ns) == (source, interval_ns):
-            return description
-        description.source, description.interval_ns = source, interval_ns
-    else:
-        created = iso(time.time_ns())
-        description = Description(FORMAT, created, source, interval_ns)
-    write_description(directory, description)
-    return description
-
-
-def _state_of_segments(directory: Path) -> TailState:
-    """Where recording stands if there is no tail: after the segments."""
-    numbers = sealed_numbers(directory)
-    if not numbers:
-        return TailState()
-    head = read_head(directory, numbers[-1])
-    # Every segment has at least one block, whose numbers go on.
-    return TailState(head.number, head.number, head.number, head.until_ns)

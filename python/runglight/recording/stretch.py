@@ -41,6 +41,12 @@ class Stretch:
             marks=marks,
         )
 
+    @classmethod
+    def quiet(cls, time_ns: int) -> Stretch:
+        """A moment at which nothing happened."""
+        none: Integers = np.empty(0, np.int64)
+        return cls(time_ns, time_ns, none, none, none, none)
+
     def within(self, range: TimeRange) -> Stretch:
         """What lies in a range; gaps are cut to it."""
         since_ns, until_ns = range.over(self)

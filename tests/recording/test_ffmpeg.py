@@ -5,98 +5,17 @@ from pathlib import Path
 
 import pytest
 
-from runglight.errors import InputError
-from runglight.recording import camera as camera_module
-from runglight.recording.camera import Camera, FfmpegCamera, ImageFolder, camera_of
+from runglight.recording import ffmpeg as ffmpeg_module
+from runglight.recording.cameras import camera_of
+from runglight.recording.ffmpeg import FfmpegCamera
 from runglight.recording.photos import photos
 from runglight.taps.clock import SteadyClock
-from tests.recording.test_exif import MOMENT_NS, jpeg
 
 HANGS_S = 60
 
 
 def contents(recording: Path) -> list[bytes]:
     return [photo.path.read_bytes() for photo in photos(recording)]
-
-
-@pytest.fixture
-def folders(tmp_path: Path) -> tuple[Path, Path]:
-    """A camera's folder with an image of yesterday, and a recording."""
-    folder, recording = tmp_path / "camera", tmp_path / "recording"
-    folder.mkdir()
-    recording.mkdir()
-    (folder / "yesterday.jpg").write_bytes(b"old")
-    return folder, recording
-
-
-def test_new_images_of_a_folder_are_copied_by_their_time(folders: tuple[Path, Path]) -> None:
-    folder, recording = folders
-    camera = ImageFolder(folder, recording)
-
-    async def look() -> None:
-        await camera.look()
-        taken = jpeg({0x9003: "2026:01:31 06:00:12", 0x9011: "+00:00"})
-        (folder / "a.JPG").write_bytes(taken)
-        (folder / "b.png").write_bytes(b"no exif")
-        os.utime(folder / "b.png", ns=(0, MOMENT_NS + 7))
-        (folder / "notes.txt").write_text("no image")
-        await camera.look()
-        assert camera.taken == 0  # They may still be growing.
-        await camera.look()
-        await camera.look()
-        assert camera.taken == 2
-
-    asyncio.run(look())
-    assert [photo.time_ns for photo in photos(recording)] == [MOMENT_NS, MOMENT_NS + 7]
-    assert [photo.path.suffix for photo in photos(recording)] == [".jpg", ".png"]
-    assert (folder / "a.JPG").exists()
-
-
-def test_an_image_that_grows_is_taken_when_it_is_whole(folders: tuple[Path, Path]) -> None:
-    folder, recording = folders
-    camera = ImageFolder(folder, recording)
-
-    async def look() -> None:
-        for content in (b"h", b"half", b"half and whole"):
-            (folder / "new.jpg").write_bytes(content)
-            await camera.look()
-        await camera.look()
-
-    asyncio.run(look())
-    assert contents(recording) == [b"half and whole"]
-
-
-def test_the_last_image_is_taken_at_the_end(folders: tuple[Path, Path]) -> None:
-    folder, recording = folders
-
-    async def run() -> Camera:
-        camera = ImageFolder(folder, recording)
-        running = asyncio.create_task(camera.run())
-        await asyncio.sleep(0)
-        (folder / "new.jpg").write_bytes(b"new")
-        running.cancel()
-        await asyncio.gather(running, return_exceptions=True)
-        return camera
-
-    assert asyncio.run(run()).taken == 1
-    assert contents(recording) == [b"new"]
-
-
-def test_a_folder_that_goes_away_is_told_and_comes_back(folders: tuple[Path, Path]) -> None:
-    folder, recording = folders
-    camera = ImageFolder(folder, recording)
-    aside = folder.with_name("aside")
-
-    async def look() -> None:
-        folder.rename(aside)
-        await camera.look()
-        assert camera.trouble is not None
-        assert str(folder) in camera.trouble
-        aside.rename(folder)
-        await camera.look()
-        assert camera.trouble is None
-
-    asyncio.run(look())
 
 
 def photo(number: int) -> bytes:
@@ -148,7 +67,7 @@ def test_photos_of_a_camera(
 def test_a_camera_that_goes_away_is_told_and_tried_again(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(camera_module, "RETRY_S", 0.01)
+    monkeypatch.setattr(ffmpeg_module, "RETRY_S", 0.01)
     (tmp_path / "stream").write_bytes(photo(1))
     script = (
         f"if [ -e {tmp_path}/back ]; then cat {tmp_path}/stream; exec sleep 60; fi\n"
@@ -185,14 +104,3 @@ def test_a_cameras_password_is_shown_to_nobody(tmp_path: Path) -> None:
         assert "secret" not in camera.trouble
 
     asyncio.run(run())
-
-
-def test_what_cannot_be_a_camera_is_refused(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    with pytest.raises(InputError, match="/dev/video77 is neither a folder nor a device"):
-        camera_of("/dev/video77", tmp_path, SteadyClock())
-    monkeypatch.setenv("PATH", str(tmp_path))
-    with pytest.raises(InputError, match="needs the program ffmpeg, which is not installed: apt"):
-        camera_of("rtsp://camera/1", tmp_path, SteadyClock())
-    assert isinstance(camera_of(str(tmp_path), tmp_path, SteadyClock()), ImageFolder)
