@@ -170,6 +170,12 @@ def test_gaps_reach_watching_and_learning(tmp_path: Path, nominal_model: rl.Nomi
     assert len(with_gap.rules_json()) < len(without.rules_json())
 
 
+def test_gaps_are_kept_in_the_order_of_what_follows_them() -> None:
+    log = simulated(cycles=1)
+    again = Log.from_columns(*log.columns(), log.signals, gaps=[(7, 9), (1, 3), (2, 3)])
+    assert again.engine.gaps == [(1, 3), (2, 3), (7, 9)]
+
+
 def test_a_gap_that_ends_before_it_starts_is_refused() -> None:
     empty = Log.from_columns(*simulated(cycles=1).columns(), simulated(cycles=1).signals)
     with pytest.raises(rl.InputError, match="a gap ends at 5, before it starts at 9"):

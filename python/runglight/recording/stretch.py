@@ -23,6 +23,8 @@ class Stretch:
     value: Integers
     scan_ns: Integers
     marks: tuple[Mark, ...] = ()
+    scan_interval_ns: int | None = None
+    """Median time between two scans; None for fewer than two."""
 
     @classmethod
     def of(cls, blocks: Sequence[Block]) -> Stretch:
@@ -39,6 +41,7 @@ class Stretch:
             value=np.concatenate([block.value for block in blocks]),
             scan_ns=scan_ns,
             marks=marks,
+            scan_interval_ns=int(np.median(np.diff(scan_ns))) if len(scan_ns) > 1 else None,
         )
 
     @classmethod
