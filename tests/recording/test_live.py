@@ -1,6 +1,7 @@
 """A real tap on a real server, recorded: what is lost is a gap, and nothing else."""
 
 import asyncio
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -16,8 +17,7 @@ from tests.taps.benches.modbus import ModbusBench
 HANGS_S = 60
 
 
-async def reached(true: object) -> None:
-    assert callable(true)
+async def reached(true: Callable[[], bool]) -> None:
     async with asyncio.timeout(HANGS_S):
         while not true():
             await asyncio.sleep(0.01)
@@ -32,9 +32,9 @@ def test_a_server_that_goes_away_and_comes_back(tmp_path: Path) -> None:
                 with Recorder(tmp_path, tap, reserve_bytes=0) as recorder:
                     running = asyncio.create_task(record(tap, recorder, meter=Meter(5_000_000)))
                     await reached(lambda: recorder.scans > 10)
+                    image = recorder.rows
                     await bench.change(1)
-                    changed = recorder.rows
-                    await reached(lambda: recorder.rows > changed)
+                    await reached(lambda: recorder.rows > image)
                     await bench.kill()
                     await reached(lambda: tap.connection.state is ConnectionState.RETRYING)
                     before = recorder.scans
