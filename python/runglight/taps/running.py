@@ -40,7 +40,8 @@ class InLoop:
             return None
         self._waiting = asyncio.create_task(self._scan())
         try:
-            return await self._waiting
+            batch = await self._waiting
+            return None if self._stopped else batch
         except asyncio.CancelledError:
             self._waiting.cancel()
             if self._stopped:
