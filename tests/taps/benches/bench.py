@@ -3,6 +3,8 @@
 import socket
 from abc import ABC, abstractmethod
 
+LOOPBACK = "127.0.0.1"
+
 
 class Bench(ABC):
     """Started, worked and stopped inside the test's event loop."""
@@ -45,6 +47,6 @@ class Bench(ABC):
 def free_port() -> int:
     """A port on loopback where nobody listens."""
     with socket.socket() as found:
-        found.bind(("127.0.0.1", 0))
+        found.bind((LOOPBACK, 0))
         port: int = found.getsockname()[1]
         return port
