@@ -77,6 +77,7 @@ def test_the_overview(runglight: Command) -> None:
         ]
         assert commands == [
             "demo",
+            "record",
             "learn",
             "show",
             "watch",
