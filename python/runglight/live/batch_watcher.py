@@ -19,7 +19,8 @@ class BatchWatcher:
     """Gives the findings of each batch, the same ones as the same rows read from a log.
 
     `monitor` is one of `model`, new or restored; `signals` is the tap's list, which grows while it
-    runs; `name_of` says what the model calls a signal.
+    runs; `name_of` says what the model calls a signal. With `goes_on`, what comes is what comes
+    next after the restored state (logs replayed one after the other); otherwise there is a gap.
     """
 
     def __init__(
@@ -28,6 +29,8 @@ class BatchWatcher:
         monitor: Monitor,
         signals: Sequence[TapSignal],
         name_of: Callable[[TapSignal], str],
+        *,
+        goes_on: bool = False,
     ) -> None:
         self._model = model
         self._monitor = monitor
@@ -36,6 +39,7 @@ class BatchWatcher:
         self._bound = 0
         # A restored monitor has not seen what happened since its state was kept.
         self._interrupted_ns = monitor.now_ns
+        self._goes_on = goes_on
         self.late_rows = 0
         """Rows a tap gave after having said that time had passed them; taken as if just now."""
 
@@ -79,6 +83,8 @@ class BatchWatcher:
             # A log replayed again, or a clock set back while nobody watched.
             self._monitor = self._model.monitor()
             self._bound = 0
+            return []
+        if self._goes_on:
             return []
         return self._monitor.gap(start_ns, end_ns).json_lines()
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import sqlite3
+import time
 from collections import deque
 from concurrent.futures import ThreadPoolExecutor
 from typing import TYPE_CHECKING, TypeVar
@@ -13,6 +14,8 @@ from runglight.findings.store import FindingStore, Kept
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from pathlib import Path
+
+    from runglight.live.delivery import Receiver
 
 Result = TypeVar("Result")
 
@@ -44,11 +47,12 @@ class Keeper:
         self.dropped = 0
         """Findings lost because the disk took nothing for too long."""
 
-    async def open(self, receivers: Sequence[str] = ()) -> None:
-        """Opens the store; a receiver that is new begins with what comes from now on."""
+    async def open(self, receivers: Sequence[Receiver] = ()) -> None:
+        """Opens the store, and finds the place of each receiver in it."""
         await self._in_thread(self._reopen)
         for receiver in receivers:
-            await self._in_thread(self._begin, receiver)
+            if not receiver.from_the_start:
+                await self._in_thread(self._begin, receiver.name)
 
     @property
     def on_disk(self) -> bool:
@@ -73,7 +77,7 @@ class Keeper:
     async def flush(self) -> None:
         """Writes everything that has been put; it is on disk when this returns, if that can be."""
         self._wake.clear()
-        if self._disk is None and asyncio.get_running_loop().time() >= self._retry_disk_at_s:
+        if self._disk is None and time.monotonic() >= self._retry_disk_at_s:
             await self._in_thread(self._reopen)
         if not self._new:
             return
@@ -156,8 +160,6 @@ class Keeper:
                 "memory until they can. Free some space, or make the directory writable"
             )
         self._store()
-        import time  # noqa: PLC0415
-
         self._retry_disk_at_s = time.monotonic() + RETRY_DISK_S
 
     def _append(self, lines: list[str], snapshots: list[str]) -> None:

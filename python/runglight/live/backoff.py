@@ -1,4 +1,4 @@
-"""How long to wait before trying a lost source again."""
+"""How long to wait before a receiver that took nothing is tried again."""
 
 import random
 
@@ -6,8 +6,8 @@ import random
 class Backoff:
     """Waits that double from `first_s` to `most_s`, with jitter.
 
-    Jitter (each wait is between half and all of its nominal length) keeps many taps of one broken
-    server from knocking at the same moment.
+    Jitter (each wait is between half and all of its nominal length) keeps many watchers of one
+    broken server from knocking at the same moment.
     """
 
     def __init__(self, first_s: float = 0.1, most_s: float = 5.0) -> None:
@@ -22,5 +22,5 @@ class Backoff:
         return wait_s
 
     def reset(self) -> None:
-        """The source answered: the next loss starts from the shortest wait again."""
+        """It was taken: the next loss starts from the shortest wait again."""
         self._nominal_s = self._first_s
