@@ -52,8 +52,9 @@ def log_from_columns(
     value: Any,
     signals: Sequence[str],
     scan_interval_ns: int | None = None,
+    gaps: Sequence[tuple[int, int]] = (),
 ) -> ChangeLog:
-    """From three numpy arrays (int64, uint32, int64) and the names the indices stand for."""
+    """From three numpy arrays (int64, uint32, int64), the names the indices stand for, and gaps (start, end) in nanoseconds."""
 
 def read_log(path: str, options_json: str = "{}") -> ChangeLog:
     """Reads CSV, Parquet, XES or VCD; options as in `runglight.log.ReadOptions`. Raises InputError."""

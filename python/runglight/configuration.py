@@ -128,6 +128,19 @@ class Server(Struct, forbid_unknown_fields=True):
     """Live: `HOST:PORT` for Prometheus; a port alone is on loopback."""
 
 
+class Record(Struct, forbid_unknown_fields=True):
+    """`[record]`: where and how the machine is recorded."""
+
+    to: str | None = None
+    """Directory of the recording."""
+    camera: str | None = None
+    """Folder of images, camera device (`/dev/video0`) or address (`rtsp://HOST/STREAM`)."""
+    photo_interval: str = "1s"
+    """Time between two photos of a camera."""
+    reserve_mb: Annotated[float, Meta(ge=0)] = 100.0
+    """Recording stops before less than this is free on the disk."""
+
+
 class Show(Struct, forbid_unknown_fields=True):
     """`[show]`: how a model is shown."""
 
@@ -142,6 +155,7 @@ class Configuration(Struct, forbid_unknown_fields=True):
     symbols: Symbols = field(default_factory=Symbols)
     log: ReadOptions = field(default_factory=ReadOptions)
     signal_state: SignalState = field(default_factory=SignalState)
+    record: Record = field(default_factory=Record)
     watch: Watch = field(default_factory=Watch)
     notify: Notify = field(default_factory=Notify)
     server: Server = field(default_factory=Server)
@@ -178,6 +192,7 @@ def load_configuration(path: Path | None = None) -> Configuration:
     # Paths in the file are seen from the file, not from where the command is run.
     for owner, key in (
         (configuration.symbols, "table"),
+        (configuration.record, "to"),
         (configuration.watch, "output"),
         (configuration.watch, "state"),
         (configuration.watch, "record"),
@@ -188,6 +203,9 @@ def load_configuration(path: Path | None = None) -> Configuration:
         configuration.log.sql = _seen_from(path.parent, configuration.log.sql)
     if configuration.watch.store is not None:
         configuration.watch.store = _seen_from(path.parent, configuration.watch.store)
+    camera = configuration.record.camera
+    if camera is not None and "://" not in camera:
+        configuration.record.camera = str(path.parent / camera)
     url = configuration.source.url
     if url is not None and "://" not in url and not url.startswith("replay:"):
         configuration.source.url = str(path.parent / url)

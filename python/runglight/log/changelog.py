@@ -59,11 +59,17 @@ class Log:
         value: Any,
         signals: Sequence[str],
         scan_interval_s: float | None = None,
+        gaps: Sequence[tuple[int, int]] = (),
     ) -> Log:
-        """From numpy arrays (int64, uint32, int64) and the names the indices stand for."""
+        """From numpy arrays (int64, uint32, int64) and the names the indices stand for.
+
+        `gaps` are the stretches (start and end in nanoseconds) in which nothing was recorded.
+        """
         interval_ns = None if scan_interval_s is None else round(scan_interval_s * 1e9)
         return cls(
-            _engine.log_from_columns(time_ns, signal_index, value, list(signals), interval_ns)
+            _engine.log_from_columns(
+                time_ns, signal_index, value, list(signals), interval_ns, list(gaps)
+            )
         )
 
     def __len__(self) -> int:
@@ -139,7 +145,9 @@ class Log:
 
 
 def read_log(path: str | PathLike[str] | None = None, **options: Any) -> Log:
-    """Reads CSV, Parquet, XES, VCD, or, without a path, the table that `sql` and `table` name.
+    """Reads CSV, Parquet, XES, VCD, or the directory of a recording.
+
+    Without a path, the table that `sql` and `table` name.
 
     `options` are the fields of `runglight.ReadOptions`.
     """
@@ -150,10 +158,15 @@ def read_log(path: str | PathLike[str] | None = None, **options: Any) -> Log:
 
 
 def read_log_with(path: str | PathLike[str] | None, options: ReadOptions) -> Log:
-    """Reads a log with options that are already checked; None stands for the table they name."""
+    """Reads a log or a recording with checked options; None stands for the table they name."""
     if path is None:
         return _read_table(options)
     text = os.fspath(path)
+    if (Path(text) / "recording.json").is_file():
+        # Loaded when there is one: a recording needs SQLite and NumPy.
+        from runglight.recording.read import read_recording  # noqa: PLC0415
+
+        return read_recording(text)
     return Log(_engine.read_log(text, options.to_json()), text)
 
 

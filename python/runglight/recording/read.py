@@ -1,0 +1,186 @@
+"""Reading a recording: whole or a range of time, also while a recorder is at work."""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterable, Iterator
+from dataclasses import dataclass
+from datetime import datetime
+from os import PathLike
+from pathlib import Path
+
+import numpy as np
+
+from runglight.errors import InputError
+from runglight.log.changelog import Log
+from runglight.log.report import ReadReport
+from runglight.moments import iso, nanoseconds
+from runglight.recording.block import Integers
+from runglight.recording.description import Description, read_description
+from runglight.recording.layout import TAIL, changes_file, scans_file, sealed_numbers
+from runglight.recording.segment import SegmentHead, read_head, read_segment
+from runglight.recording.stretch import Stretch, gaps_of
+from runglight.recording.tail import read_tail
+from runglight.taps.base import Gap, Mark
+
+MISSING = "a segment of the recording is missing"
+
+
+@dataclass(frozen=True, slots=True)
+class Recording:
+    """What was recorded: the log, and what a log has no room for."""
+
+    description: Description
+    log: Log
+    scan_ns: Integers
+    """Time of every scan."""
+    marks: tuple[Mark, ...]
+    """Gaps with their reasons, and steps of the clock."""
+    until_ns: int
+    """Up to here everything is there; 0 where nothing was recorded."""
+
+
+def read_recording(
+    directory: str | PathLike[str],
+    since: datetime | int | None = None,
+    until: datetime | int | None = None,
+) -> Log:
+    """The log of a recording, with its gaps and scan interval.
+
+    `since` and `until` (aware datetimes, or nanoseconds since 1970) name a range, both ends
+    included; what lies outside is not even opened. InputError where a file is damaged.
+    """
+    return open_recording(directory, since, until).log
+
+
+def open_recording(
+    directory: str | PathLike[str],
+    since: datetime | int | None = None,
+    until: datetime | int | None = None,
+) -> Recording:
+    """The log of a recording, its scans and its marks; arguments as in `read_recording`."""
+    path = Path(directory)
+    since_ns = None if since is None else nanoseconds(since)
+    until_ns = None if until is None else nanoseconds(until)
+    notes: list[str] = []
+    try:
+        # The tail first: what it says is sealed is sealed, and what it counts on is described.
+        tail, numbers = _tail_and_segments(path, notes)
+        description = read_description(path)
+        by_name = {signal.name: at for at, signal in enumerate(description.signals)}
+        pieces = [*_segments(path, numbers, by_name, since_ns, until_ns, notes), *tail]
+    except OSError as error:
+        place = error.filename or path
+        raise InputError(f"{place}: cannot be read ({error.strerror}); check the disk") from None
+    stretches, holes = _in_range(pieces, since_ns, until_ns)
+    return _recording(path, description, stretches, holes, notes)
+
+
+def _tail_and_segments(path: Path, notes: list[str]) -> tuple[list[Stretch], list[int]]:
+    if not (path / TAIL).exists():
+        numbers = sealed_numbers(path)
+        notes.append(f"{TAIL} is missing: what was not yet in a segment is not there")
+        return [], list(range(1, numbers[-1] + 1)) if numbers else []
+    state, blocks = read_tail(path)
+    numbers = list(range(1, state.segments + 1))
+    return [Stretch.of([block for _, block in blocks])] if blocks else [], numbers
+
+
+def _segments(
+    path: Path,
+    numbers: list[int],
+    by_name: dict[str, int],
+    since_ns: int | None,
+    until_ns: int | None,
+    notes: list[str],
+) -> Iterator[Stretch | None]:
+    """The segments in range; None for one that is missing."""
+    for number in numbers:
+        if not scans_file(path, number).exists() and not changes_file(path, number).exists():
+            notes.append(f"segment {number:06d} is missing: that time is a gap")
+            yield None
+            continue
+        head = read_head(path, number)
+        if _touches(head, since_ns, until_ns):
+            yield read_segment(path, number, by_name)
+
+
+def _touches(stretch: Stretch | SegmentHead, since_ns: int | None, until_ns: int | None) -> bool:
+    return (since_ns is None or stretch.until_ns >= since_ns) and (
+        until_ns is None or stretch.start_ns <= until_ns
+    )
+
+
+def _in_range(
+    pieces: Iterable[Stretch | None], since_ns: int | None, until_ns: int | None
+) -> tuple[list[Stretch], list[Mark]]:
+    """What lies in the range, and a gap for each hole between two pieces."""
+    stretches: list[Stretch] = []
+    holes: list[Mark] = []
+    hole = False
+    for piece in pieces:
+        if piece is None:
+            hole = True
+        elif _touches(piece, since_ns, until_ns):
+            stretch = piece.within(since_ns, until_ns)
+            if hole and stretches:
+                before_ns = stretches[-1].until_ns
+                holes.append(Gap(before_ns, max(before_ns, stretch.start_ns), MISSING))
+            stretches.append(stretch)
+            hole = False
+    return stretches, holes
+
+
+def _recording(
+    path: Path,
+    description: Description,
+    stretches: list[Stretch],
+    holes: list[Mark],
+    notes: list[str],
+) -> Recording:
+    none: Integers = np.empty(0, np.int64)
+    time_ns = np.concatenate([none, *(each.time_ns for each in stretches)])
+    signal = np.concatenate([none, *(each.signal for each in stretches)])
+    value = np.concatenate([none, *(each.value for each in stretches)])
+    scan_ns = np.concatenate([none, *(each.scan_ns for each in stretches)])
+    marks = [*holes, *(mark for each in stretches for mark in each.marks)]
+    interval_ns = _scan_interval_ns(description.interval_ns, stretches)
+    if len(signal) and int(signal.max()) >= len(description.signals):
+        raise InputError(
+            f"{path}: recording.json lacks signals that were recorded; bring it back from a copy"
+        )
+    log = Log.from_columns(
+        time_ns,
+        signal.astype(np.uint32),
+        value,
+        [each.name for each in description.signals],
+        scan_interval_s=None if interval_ns is None else interval_ns / 1e9,
+        gaps=gaps_of(marks),
+    )
+    report = ReadReport(format="recording", rows=len(log), notes=notes)
+    return Recording(
+        description=description,
+        log=Log(log.engine, os.fspath(path), report),
+        scan_ns=scan_ns,
+        marks=tuple(marks),
+        until_ns=stretches[-1].until_ns if stretches else 0,
+    )
+
+
+def _scan_interval_ns(wanted_ns: int | None, stretches: list[Stretch]) -> int | None:
+    """What the scans really took where that is longer than wanted; None where there are none."""
+    steps = [np.diff(each.scan_ns) for each in stretches if len(each.scan_ns) > 1]
+    if wanted_ns is None or not steps:
+        return wanted_ns or None
+    return max(wanted_ns, int(np.median(np.concatenate(steps))))
+
+
+def described(recording: Recording) -> str:
+    """One sentence for people: rows, signals, and from when to when."""
+    log = recording.log
+    if log.engine.start_ns is None:
+        return f"{log.path}: nothing recorded"
+    return (
+        f"{log.path}: {len(log):,} rows of {len(log.signals):,} signals from "
+        f"{iso(log.engine.start_ns)} to {iso(recording.until_ns)}"
+    )
