@@ -67,10 +67,18 @@ def _options(source: str, scheme: str, query: str) -> dict[str, str]:
     known = (*EVERYWHERE, *SCHEMES[scheme].options)
     options: dict[str, str] = {}
     for key, value in parse_qsl(query, keep_blank_values=True):
-        if key not in known:
+        if not any(_is_option(key, option) for option in known):
             near = suggestion(key, known) or f"; {scheme} knows: {', '.join(known)}"
             raise InputError(f"{source}: unknown option {key!r}{near}")
         if key in options:
             raise InputError(f"{source}: {key} is given twice; give it once")
         options[key] = value
     return options
+
+
+def _is_option(key: str, option: str) -> bool:
+    """`db*` stands for `db1`, `db2` and so on."""
+    if option.endswith("*"):
+        number = key.removeprefix(option[:-1])
+        return number != key and number.isascii() and number.isdigit()
+    return key == option
