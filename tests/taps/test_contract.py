@@ -274,7 +274,9 @@ def test_what_is_not_there_is_refused_in_one_sentence(on_bench: Callable[[Body],
             async with tapped(bench.missing_url) as (_, batches):
                 await anext(batches)
         assert "\n" not in str(refused.value)
-        assert bench.missing_url.partition(":")[2].strip("/").partition("?")[0] in str(refused.value)
+        assert bench.missing_url.partition(":")[2].strip("/").partition("?")[0] in str(
+            refused.value
+        )
 
     on_bench(body)
 

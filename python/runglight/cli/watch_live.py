@@ -23,6 +23,7 @@ from runglight.live.keeper import Keeper
 from runglight.live.session import Session
 from runglight.live.signal_names import model_names
 from runglight.quantities import duration_s
+from runglight.recording.recorder import Recorder
 from runglight.taps import open_tap
 
 if TYPE_CHECKING:
