@@ -55,31 +55,39 @@ class Delivery:
         self._backoff = Backoff(first_s=0.2, most_s=30.0)
         self.delivered = 0
         self.refused = 0
+        self._giving: asyncio.Task[bool] | None = None
         self.failing: str | None = None
         """One sentence while the receiver takes nothing."""
 
     async def run(self) -> None:
-        """Delivers until cancelled."""
-        name = self.receiver.name
+        """Delivers until cancelled; what is under way then goes on until `finish`."""
         while True:
-            findings = await self._keeper.next(name, self.receiver.at_once)
-            if await self._taken(findings):
-                await self._keeper.delivered(name, findings[-1].sequence)
-            else:
+            findings = await self._next()
+            self._giving = asyncio.create_task(self._give(findings))
+            if not await asyncio.shield(self._giving):
                 await asyncio.sleep(self._backoff.next_s())
 
     async def finish(self, within_s: float) -> None:
         """A last try for what is left; the rest is delivered by the next start."""
         try:
             async with asyncio.timeout(within_s):
+                if self._giving is not None:
+                    await self._giving
                 while self.failing is None and await self._keeper.behind(self.receiver.name):
-                    findings = await self._keeper.next(self.receiver.name, self.receiver.at_once)
-                    if await self._taken(findings):
-                        await self._keeper.delivered(self.receiver.name, findings[-1].sequence)
+                    await self._give(await self._next())
         except TimeoutError:
             pass
         if left := await self._keeper.behind(self.receiver.name):
             self._say(f"{self.receiver.name}: {left:,} findings wait for the next start")
+
+    async def _next(self) -> list[Kept]:
+        return await self._keeper.next(self.receiver.name, self.receiver.at_once)
+
+    async def _give(self, findings: Sequence[Kept]) -> bool:
+        taken = await self._taken(findings)
+        if taken:
+            await self._keeper.delivered(self.receiver.name, findings[-1].sequence)
+        return taken
 
     async def _taken(self, findings: Sequence[Kept]) -> bool:
         try:

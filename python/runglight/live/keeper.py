@@ -120,7 +120,9 @@ class Keeper:
         self._thread.shutdown()
 
     async def _in_thread(self, work: Callable[..., Result], *arguments: object) -> Result:
-        return await asyncio.get_running_loop().run_in_executor(self._thread, work, *arguments)
+        # Shielded: work that is queued when its asker is cancelled would not be done.
+        working = asyncio.get_running_loop().run_in_executor(self._thread, work, *arguments)
+        return await asyncio.shield(working)
 
     # All below runs in the thread.
 
