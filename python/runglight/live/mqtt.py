@@ -8,6 +8,7 @@
 from __future__ import annotations
 
 import asyncio
+import contextlib
 import logging
 from typing import TYPE_CHECKING
 from urllib.parse import unquote, urlsplit
@@ -52,7 +53,7 @@ class MqttPublisher:
         shown = parts._replace(netloc=parts.netloc.rpartition("@")[2]).geturl()
         if parts.scheme not in PORTS or not parts.hostname or not self._topic:
             raise InputError(f"--publish {shown}: write mqtt://HOST[:1883]/TOPIC (mqtts: with TLS)")
-        if any(each in self._topic for each in "#+\0") or parts.fragment:
+        if any(each in self._topic + url for each in "#+\0"):
             raise InputError(f"--publish {shown}: a topic to publish to has no # and no +")
         self.name = shown
         self._host, self._port = parts.hostname, port or PORTS[parts.scheme]
@@ -76,7 +77,11 @@ class MqttPublisher:
                     await self._publish_status(client)
                     backoff.reset()
                     self._connected.set()
-                    await self._follow_status(client)
+                    try:
+                        await self._follow_status(client)
+                    except asyncio.CancelledError:
+                        await self._say_goodbye(client)
+                        raise
             except aiomqtt.MqttError as error:
                 self._reason = str(error)
             finally:
@@ -99,15 +104,15 @@ class MqttPublisher:
             await client.publish(topic, kept.line.encode(), qos=AT_LEAST_ONCE)
 
     async def close(self) -> None:
-        """Says goodbye: a retained status that nobody takes for a living one."""
-        if self._client is not None:
-            try:
-                async with asyncio.timeout(1.0):
-                    await self._client.publish(
-                        f"{self._topic}/status", OFFLINE, qos=AT_LEAST_ONCE, retain=True
-                    )
-            except (aiomqtt.MqttError, TimeoutError):
-                pass
+        """Nothing is left to let go of: `run` has said goodbye."""
+
+    async def _say_goodbye(self, client: aiomqtt.Client) -> None:
+        # Leaving in order, the last will is not published: nobody shall take us for living.
+        with contextlib.suppress(aiomqtt.MqttError, TimeoutError):
+            async with asyncio.timeout(1.0):
+                await client.publish(
+                    f"{self._topic}/status", OFFLINE, qos=AT_LEAST_ONCE, retain=True
+                )
 
     def _new_client(self) -> aiomqtt.Client:
         quiet = logging.getLogger("runglight.mqtt")
