@@ -1,6 +1,7 @@
 """What every tap promises (`runglight.taps.base`), against a real server of its protocol."""
 
 import asyncio
+import itertools
 import time
 from collections.abc import AsyncIterator, Awaitable, Callable
 from contextlib import asynccontextmanager
@@ -70,7 +71,7 @@ def test_the_first_rows_are_all_signals_as_they_stand(on_bench: Callable[[Body],
             first = await anext(batches)
             assert first.image
             assert not first.marks
-            assert [tap.signals[index].name for index in first.signal_index] == bench.signals
+            assert [tap.signals[index].name for index in first.signal_index] == list(bench.signals)
             assert len(first.time_ns) == len(first.value) == len(bench.signals)
             assert tap.connection.state is ConnectionState.CONNECTED
 
@@ -124,7 +125,7 @@ def test_time_never_runs_backwards_and_goes_on_without_changes(
             assert (np.diff(times) >= 0).all()
             assert (np.diff(scans) > 0).all()
             assert (len(scans) > 0) is bench.polls
-            for earlier, later in zip(seen, seen[1:], strict=False):
+            for earlier, later in itertools.pairwise(seen):
                 assert (later.time_ns > earlier.until_ns).all()
             for batch in seen:
                 assert (batch.time_ns <= batch.until_ns).all()
@@ -245,7 +246,7 @@ def test_check_reads_every_signal_once(on_bench: Callable[[Body], None]) -> None
         if bench.live:
             await bench.change(1)
         answers = await open_tap(bench.url).check()
-        assert [answer.signal.name for answer in answers] == bench.signals
+        assert [answer.signal.name for answer in answers] == list(bench.signals)
         assert all(answer.error is None and answer.value is not None for answer in answers)
         if bench.live:
             assert answers[bench.signals.index(bench.changing)].value == 1

@@ -2,6 +2,7 @@
 
 import asyncio
 import logging
+import os
 from dataclasses import dataclass
 from typing import Any
 
@@ -160,5 +161,7 @@ class ModbusConnection:
         try:
             return await self._create()
         except OSError as error:
-            self._refused_because = f"no connection: {error.strerror or error}"
+            # asyncio writes the address where the system says why.
+            why = os.strerror(error.errno).lower() if error.errno else str(error)
+            self._refused_because = f"no connection: {why}"
             raise

@@ -22,8 +22,8 @@ class S7Area(StrEnum):
 _GERMAN = {"E": "I", "A": "Q"}
 _BITS_OF = {"X": 1, "": 1, "B": 8, "W": 16, "D": 32}
 _SIZE_OF = {1: "X", 8: "B", 16: "W", 32: "D"}
-_IN_AREA = re.compile(r"%?([IEQAM])([XBWD]?)(\d{1,5})(?:\.(\d))?")
-_IN_BLOCK = re.compile(r"%?DB(\d{1,5})\.DB([XBWD])(\d{1,5})(?:\.(\d))?")
+_IN_AREA = re.compile(r"%?([IEQAM])([XBWD]?)(\d{1,5})(?:\.(\d))?", re.ASCII)
+_IN_BLOCK = re.compile(r"%?DB(\d{1,5})\.DB([XBWD])(\d{1,5})(?:\.(\d))?", re.ASCII)
 
 
 @dataclass(frozen=True, slots=True, order=True)

@@ -3,6 +3,8 @@
 import socket
 from abc import ABC, abstractmethod
 
+LOOPBACK = "127.0.0.1"
+
 
 class Bench(ABC):
     """Started, worked and stopped inside the test's event loop."""
@@ -11,7 +13,7 @@ class Bench(ABC):
     """Values can be changed, and the server killed; a replayed log has neither."""
     polls = True
     """Batches tell the time of every scan."""
-    signals: list[str]
+    signals: tuple[str, ...]
     """Names of the signals at `url`, in the order of their indices."""
     changing: str
     """The signal that `change` changes."""
@@ -45,6 +47,6 @@ class Bench(ABC):
 def free_port() -> int:
     """A port on loopback where nobody listens."""
     with socket.socket() as found:
-        found.bind(("127.0.0.1", 0))
+        found.bind((LOOPBACK, 0))
         port: int = found.getsockname()[1]
         return port

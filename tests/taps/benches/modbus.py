@@ -3,7 +3,7 @@
 from pymodbus.server import ModbusTcpServer
 from pymodbus.simulator import DataType, SimData, SimDevice
 
-from tests.taps.benches.bench import Bench, free_port
+from tests.taps.benches.bench import LOOPBACK, Bench, free_port
 
 WRITE_COIL, READ_INPUTS, READ_INPUT_REGISTERS, WRITE_REGISTER = 5, 2, 4, 6
 
@@ -17,22 +17,31 @@ def registers(count: int) -> list[SimData]:
 
 
 class ModbusBench(Bench):
-    signals = [
+    signals = (
         *(f"1{number:04}" for number in range(1, 9)),
         *(f"0{number:04}" for number in range(1, 17)),
         *(f"4{number:04}" for number in range(1, 5)),
-    ]
+    )
     changing = "00004"
     name_of_missing = "40006"
 
-    def __init__(self, *, coils: int = 16, inputs: int = 8, holding: int = 4) -> None:
-        self.port = free_port()
+    def __init__(
+        self,
+        *,
+        host: str = LOOPBACK,
+        port: int | None = None,
+        coils: int = 16,
+        inputs: int = 8,
+        holding: int = 4,
+    ) -> None:
+        self.host = host
+        self.port = port or free_port()
         self._sizes = (coils, inputs, holding)
         self._server: ModbusTcpServer | None = None
 
     @property
     def url(self) -> str:
-        return f"modbus://127.0.0.1:{self.port}?coils=0-15&inputs=0-7&holding=0-3"
+        return f"modbus://{self.host}:{self.port}?coils=0-15&inputs=0-7&holding=0-3"
 
     @property
     def missing_url(self) -> str:
@@ -46,7 +55,7 @@ class ModbusBench(Bench):
         coils, inputs, holding = self._sizes
         # Input registers last: every block needs at least one.
         device = SimDevice(1, (bits(coils), bits(inputs), registers(holding), registers(2)))
-        self._server = ModbusTcpServer(device, address=("127.0.0.1", self.port))
+        self._server = ModbusTcpServer(device, address=(self.host, self.port))
         await self._server.serve_forever(background=True)
 
     async def change(self, value: int) -> None:

@@ -19,7 +19,7 @@ LOG = """time,signal,value
 class ReplayBench(Bench):
     live = False
     polls = False
-    signals = ["A", "B", "C"]
+    signals = ("A", "B", "C")
     changing = "A"
 
     def __init__(self) -> None:

@@ -1,0 +1,14 @@
+import pytest
+
+from runglight.errors import InputError
+from runglight.taps.url import parse_source
+
+
+def test_numbered_options_are_taken_by_their_pattern() -> None:
+    assert parse_source("s7://plc?db1=0-9&db20=4").options == {"db1": "0-9", "db20": "4"}
+
+
+@pytest.mark.parametrize("option", ["db", "dba", "db*", "db1x", "xdb1", "db²"])
+def test_what_only_looks_like_a_numbered_option_is_refused(option: str) -> None:
+    with pytest.raises(InputError, match="unknown option"):
+        parse_source(f"s7://plc?{option}=0-9")
