@@ -8,7 +8,7 @@ _EPOCH = datetime(1970, 1, 1, tzinfo=UTC)
 
 
 def nanoseconds(time: datetime | int) -> int:
-    """Of an aware datetime, or of nanoseconds themselves; InputError where there is no time zone."""
+    """Of an aware datetime, or of nanoseconds themselves; InputError without a time zone."""
     if isinstance(time, int):
         return time
     if time.tzinfo is None:

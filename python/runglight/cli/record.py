@@ -81,8 +81,8 @@ def record(
         raise InputError("what shall be recorded? name a source like modbus://HOST?coils=0-99")
     if not is_live(url):
         raise InputError(f"{url}: is no live source; runglight import turns a log into another")
-    directory = to if to is not None else settings.to and Path(settings.to)
-    if directory is None:
+    to = to or (Path(settings.to) if settings.to else None)
+    if to is None:
         raise InputError(f"where to? runglight record {url} --to DIRECTORY")
     photos_s = duration_s(photo_interval or settings.photo_interval, "--photo-interval")
     reserve = settings.reserve_mb if reserve_mb is None else reserve_mb
@@ -90,7 +90,7 @@ def record(
         tap=lambda clock: open_tap(
             url, interval=interval or configuration.source.interval, clock=clock
         ),
-        directory=directory,
+        directory=to,
         for_s=None if duration is None else duration_s(duration, "--for"),
         camera=camera if camera is not None else settings.camera,
         photos_s=photos_s,

@@ -59,6 +59,7 @@ class Log:
         value: Any,
         signals: Sequence[str],
         scan_interval_s: float | None = None,
+        *,
         gaps: Sequence[tuple[int, int]] = (),
     ) -> Log:
         """From numpy arrays (int64, uint32, int64) and the names the indices stand for.

@@ -67,7 +67,9 @@ class PackedMark(msgspec.Struct, array_like=True):
     def of(cls, mark: Mark) -> PackedMark:
         """A mark as it is written."""
         if isinstance(mark, Gap):
-            return cls(mark.start_ns, mark.end_ns, None, mark.reason)
+            # A reason may quote an operating system that does not speak UTF-8.
+            reason = mark.reason.encode("utf-8", "replace").decode()
+            return cls(mark.start_ns, mark.end_ns, None, reason)
         return cls(mark.time_ns, None, mark.step_ns, "")
 
     def mark(self) -> Mark:

@@ -34,7 +34,7 @@ class Description(msgspec.Struct):
     source: str
     """What is tapped, without secrets."""
     interval_ns: int | None = None
-    """Wanted time between two scans; None where the source sends by itself, 0 as fast as it goes."""
+    """Wanted time between two scans; None: the source sends by itself, 0: as fast as it goes."""
     runglight: str = __version__
     signals: list[RecordedSignal] = []
 
@@ -51,8 +51,8 @@ def read_description(directory: Path) -> Description:
         written = msgspec.json.decode(content, type=_Head).format
         if written > FORMAT:
             raise InputError(
-                f"{path}: written by a newer runglight (format {written}, this one reads {FORMAT}); "
-                "install that version"
+                f"{path}: written by a newer runglight (format {written}, this one reads "
+                f"{FORMAT}); install that version"
             )
         description = msgspec.json.decode(content, type=Description)
     except FileNotFoundError:

@@ -56,7 +56,7 @@ class Meter:
         steps = np.diff(np.concatenate(scans)) if scans else np.empty(0, np.int64)
         if not len(steps):
             return None
-        interval_ns = self._interval_ns or float(np.median(steps))
+        interval_ns = self._interval_ns or int(np.median(steps))
         return float(np.percentile(np.abs(steps - interval_ns), 99)) / 1e6
 
     def _rate(self, count: int) -> float:

@@ -14,12 +14,12 @@ import numpy as np
 from runglight.errors import InputError
 from runglight.log.changelog import Log
 from runglight.log.report import ReadReport
-from runglight.moments import iso, nanoseconds
+from runglight.moments import nanoseconds
 from runglight.recording.block import Integers
 from runglight.recording.description import Description, read_description
 from runglight.recording.layout import TAIL, changes_file, scans_file, sealed_numbers
-from runglight.recording.segment import SegmentHead, read_head, read_segment
-from runglight.recording.stretch import Stretch, gaps_of
+from runglight.recording.segment import read_head, read_segment
+from runglight.recording.stretch import Stretch, TimeRange, gaps_of
 from runglight.recording.tail import read_tail
 from runglight.taps.base import Gap, Mark
 
@@ -60,19 +60,20 @@ def open_recording(
 ) -> Recording:
     """The log of a recording, its scans and its marks; arguments as in `read_recording`."""
     path = Path(directory)
-    since_ns = None if since is None else nanoseconds(since)
-    until_ns = None if until is None else nanoseconds(until)
+    within = TimeRange(
+        None if since is None else nanoseconds(since), None if until is None else nanoseconds(until)
+    )
     notes: list[str] = []
     try:
         # The tail first: what it says is sealed is sealed, and what it counts on is described.
         tail, numbers = _tail_and_segments(path, notes)
         description = read_description(path)
         by_name = {signal.name: at for at, signal in enumerate(description.signals)}
-        pieces = [*_segments(path, numbers, by_name, since_ns, until_ns, notes), *tail]
+        pieces = [*_segments(path, numbers, by_name, within, notes), *tail]
     except OSError as error:
         place = error.filename or path
         raise InputError(f"{place}: cannot be read ({error.strerror}); check the disk") from None
-    stretches, holes = _in_range(pieces, since_ns, until_ns)
+    stretches, holes = _in_range(pieces, within)
     return _recording(path, description, stretches, holes, notes)
 
 
@@ -80,18 +81,21 @@ def _tail_and_segments(path: Path, notes: list[str]) -> tuple[list[Stretch], lis
     if not (path / TAIL).exists():
         numbers = sealed_numbers(path)
         notes.append(f"{TAIL} is missing: what was not yet in a segment is not there")
-        return [], list(range(1, numbers[-1] + 1)) if numbers else []
+        return [], _up_to(numbers[-1] if numbers else 0)
     state, blocks = read_tail(path)
-    numbers = list(range(1, state.segments + 1))
-    return [Stretch.of([block for _, block in blocks])] if blocks else [], numbers
+    tail = [Stretch.of([block for _, block in blocks])] if blocks else []
+    return tail, _up_to(state.segments)
+
+
+def _up_to(number: int) -> list[int]:
+    return list(range(1, number + 1))
 
 
 def _segments(
     path: Path,
     numbers: list[int],
     by_name: dict[str, int],
-    since_ns: int | None,
-    until_ns: int | None,
+    within: TimeRange,
     notes: list[str],
 ) -> Iterator[Stretch | None]:
     """The segments in range; None for one that is missing."""
@@ -101,18 +105,12 @@ def _segments(
             yield None
             continue
         head = read_head(path, number)
-        if _touches(head, since_ns, until_ns):
+        if within.touches(head):
             yield read_segment(path, number, by_name)
 
 
-def _touches(stretch: Stretch | SegmentHead, since_ns: int | None, until_ns: int | None) -> bool:
-    return (since_ns is None or stretch.until_ns >= since_ns) and (
-        until_ns is None or stretch.start_ns <= until_ns
-    )
-
-
 def _in_range(
-    pieces: Iterable[Stretch | None], since_ns: int | None, until_ns: int | None
+    pieces: Iterable[Stretch | None], within: TimeRange
 ) -> tuple[list[Stretch], list[Mark]]:
     """What lies in the range, and a gap for each hole between two pieces."""
     stretches: list[Stretch] = []
@@ -121,8 +119,8 @@ def _in_range(
     for piece in pieces:
         if piece is None:
             hole = True
-        elif _touches(piece, since_ns, until_ns):
-            stretch = piece.within(since_ns, until_ns)
+        elif within.touches(piece):
+            stretch = piece.within(within)
             if hole and stretches:
                 before_ns = stretches[-1].until_ns
                 holes.append(Gap(before_ns, max(before_ns, stretch.start_ns), MISSING))
@@ -173,14 +171,3 @@ def _scan_interval_ns(wanted_ns: int | None, stretches: list[Stretch]) -> int | 
     if wanted_ns is None or not steps:
         return wanted_ns or None
     return max(wanted_ns, int(np.median(np.concatenate(steps))))
-
-
-def described(recording: Recording) -> str:
-    """One sentence for people: rows, signals, and from when to when."""
-    log = recording.log
-    if log.engine.start_ns is None:
-        return f"{log.path}: nothing recorded"
-    return (
-        f"{log.path}: {len(log):,} rows of {len(log.signals):,} signals from "
-        f"{iso(log.engine.start_ns)} to {iso(recording.until_ns)}"
-    )

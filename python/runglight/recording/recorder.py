@@ -27,7 +27,14 @@ from runglight.recording.description import (
     read_description,
     write_description,
 )
-from runglight.recording.layout import DESCRIPTION, LOCK, SEGMENTS, is_recording, sealed_numbers
+from runglight.recording.layout import (
+    DESCRIPTION,
+    LOCK,
+    PHOTOS,
+    SEGMENTS,
+    is_recording,
+    sealed_numbers,
+)
 from runglight.recording.lock import DirectoryLock
 from runglight.recording.numbering import Numbering, Rename
 from runglight.recording.segment import read_head, seal
@@ -78,8 +85,12 @@ class Recorder:
         self._reserve_bytes = reserve_bytes
         self._seal_at = seal_at or SealAt()
         _prepare(directory)
-        self._lock = DirectoryLock(directory)
         try:
+            self._lock = DirectoryLock(directory)
+        except OSError as error:
+            raise disk.stopped(directory, error, 0) from None
+        try:
+            _sweep(directory)
             disk.check_reserve(directory, reserve_bytes, 0)
             self._description = _described(directory, source, interval_ns)
             self._numbering = Numbering(directory, self._description, signals, rename)
@@ -268,7 +279,7 @@ def _prepare(directory: Path) -> None:
         raise InputError(f"{directory}: is a file; name a directory to record to")
     try:
         if directory.is_dir() and not is_recording(directory):
-            # What a recorder leaves that was killed before it had described anything is no hindrance.
+            # What a recorder leaves that was killed before it described anything is no hindrance.
             ours = (LOCK, SEGMENTS, f".{DESCRIPTION}.")
             if any(not path.name.startswith(ours) for path in directory.iterdir()):
                 raise InputError(
@@ -277,6 +288,13 @@ def _prepare(directory: Path) -> None:
         (directory / SEGMENTS).mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise disk.stopped(directory, error, 0) from None
+
+
+def _sweep(directory: Path) -> None:
+    """Takes away the temporary files of a recorder that was killed."""
+    for place, names in ((directory, f".{DESCRIPTION}.*"), (SEGMENTS, ".*"), (PHOTOS, ".*")):
+        for path in (directory / place).glob(names):
+            path.unlink()
 
 
 def _described(directory: Path, source: str, interval_ns: int | None) -> Description:
@@ -299,4 +317,5 @@ def _state_of_segments(directory: Path) -> TailState:
     if not numbers:
         return TailState()
     head = read_head(directory, numbers[-1])
-    return TailState(segments=head.number, until_ns=head.until_ns)
+    # Every segment has at least one block, whose numbers go on.
+    return TailState(head.number, head.number, head.number, head.until_ns)

@@ -152,7 +152,8 @@ def _beside(directory: Path, number: int, *, scans: bool) -> tuple[_About, Integ
     path = scans_file(directory, number)
     scan_ns: Integers = np.empty(0, np.int64)
     try:
-        with np.load(path, allow_pickle=False) as arrays:
+        # The file is opened here, so that it is closed whatever is in it.
+        with path.open("rb") as stream, np.load(stream, allow_pickle=False) as arrays:
             about = msgspec.json.decode(arrays["about"].tobytes(), type=_About)
             if scans:
                 steps = arrays["scan_step_ns"].astype(np.int64)

@@ -6,6 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from runglight.recording.stretch import begin_ns
 from runglight.recording.tail import TailState
 from runglight.taps.base import Batch, ClockStep, Gap, Mark
 
@@ -59,12 +60,8 @@ class Session:
 
 
 def _start(batch: Batch) -> int:
-    begins = [batch.until_ns, *batch.time_ns[:1].tolist(), *batch.scan_ns[:1].tolist()]
-    return min(begins + [_begin(mark) for mark in batch.marks])
-
-
-def _begin(mark: Mark) -> int:
-    return mark.start_ns if isinstance(mark, Gap) else mark.time_ns
+    firsts = (int(times[0]) for times in (batch.time_ns, batch.scan_ns) if len(times))
+    return min([batch.until_ns, *firsts, *map(begin_ns, batch.marks)])
 
 
 def _shifted(batch: Batch, shift_ns: int) -> Batch:

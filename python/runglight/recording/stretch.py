@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
+from typing import Protocol
 
 import numpy as np
 
@@ -29,9 +30,9 @@ class Stretch:
         marks = tuple(mark for block in blocks for mark in block.marks)
         time_ns = np.concatenate([block.time_ns for block in blocks])
         scan_ns = np.concatenate([block.scan_ns for block in blocks])
-        begins = [blocks[0].until_ns, *time_ns[:1].tolist(), *scan_ns[:1].tolist()]
+        firsts = (int(times[0]) for times in (time_ns, scan_ns) if len(times))
         return cls(
-            start_ns=min(begins + [_begin(mark) for mark in marks]),
+            start_ns=min([blocks[0].until_ns, *firsts, *map(begin_ns, marks)]),
             until_ns=blocks[-1].until_ns,
             time_ns=time_ns,
             signal=np.concatenate([block.signal for block in blocks]),
@@ -40,24 +41,50 @@ class Stretch:
             marks=marks,
         )
 
-    def within(self, since_ns: int | None, until_ns: int | None) -> Stretch:
-        """What lies in [since, until]; gaps are cut to it."""
-        if (since_ns is None or since_ns <= self.start_ns) and (
-            until_ns is None or until_ns >= self.until_ns
-        ):
+    def within(self, range: TimeRange) -> Stretch:
+        """What lies in a range; gaps are cut to it."""
+        since_ns, until_ns = range.over(self)
+        if (since_ns, until_ns) == (self.start_ns, self.until_ns):
             return self
-        since = self.start_ns if since_ns is None else since_ns
-        until = self.until_ns if until_ns is None else until_ns
-        rows = _between(self.time_ns, since, until)
+        rows = _between(self.time_ns, since_ns, until_ns)
         return replace(
             self,
-            start_ns=max(self.start_ns, since),
-            until_ns=min(self.until_ns, until),
+            start_ns=since_ns,
+            until_ns=until_ns,
             time_ns=self.time_ns[rows],
             signal=self.signal[rows],
             value=self.value[rows],
-            scan_ns=self.scan_ns[_between(self.scan_ns, since, until)],
-            marks=tuple(_cut(self.marks, since, until)),
+            scan_ns=self.scan_ns[_between(self.scan_ns, since_ns, until_ns)],
+            marks=tuple(_cut(self.marks, since_ns, until_ns)),
+        )
+
+
+class Timed(Protocol):
+    """What has a beginning and an end."""
+
+    @property
+    def start_ns(self) -> int: ...  # noqa: D102
+    @property
+    def until_ns(self) -> int: ...  # noqa: D102
+
+
+@dataclass(frozen=True, slots=True)
+class TimeRange:
+    """Both ends included; None where it is open."""
+
+    since_ns: int | None = None
+    until_ns: int | None = None
+
+    def touches(self, timed: Timed) -> bool:
+        """Whether some of it lies in the range."""
+        since_ns, until_ns = self.over(timed)
+        return since_ns <= until_ns
+
+    def over(self, timed: Timed) -> tuple[int, int]:
+        """What both have in common; turned round where that is nothing."""
+        return (
+            timed.start_ns if self.since_ns is None else max(timed.start_ns, self.since_ns),
+            timed.until_ns if self.until_ns is None else min(timed.until_ns, self.until_ns),
         )
 
 
@@ -66,7 +93,8 @@ def gaps_of(marks: Iterable[Mark]) -> list[tuple[int, int]]:
     return [(mark.start_ns, mark.end_ns) for mark in marks if isinstance(mark, Gap)]
 
 
-def _begin(mark: Mark) -> int:
+def begin_ns(mark: Mark) -> int:
+    """When what a mark tells began."""
     return mark.start_ns if isinstance(mark, Gap) else mark.time_ns
 
 

@@ -148,11 +148,13 @@ def read_tail(
 
 def _reading(path: Path) -> sqlite3.Connection:
     address = path.resolve().as_uri()
-    connection = sqlite3.connect(f"{address}?mode=ro", uri=True, timeout=BUSY_S)
+    connection = None
     try:
+        connection = sqlite3.connect(f"{address}?mode=ro", uri=True, timeout=BUSY_S)
         connection.execute("SELECT 1 FROM sqlite_master").fetchone()
     except sqlite3.OperationalError as error:
-        connection.close()
+        if connection is not None:
+            connection.close()
         journal = path.with_name(f"{path.name}-wal")
         if error.sqlite_errorcode & 0xFF not in {sqlite3.SQLITE_CANTOPEN, sqlite3.SQLITE_READONLY}:
             raise
@@ -169,9 +171,12 @@ def _reading(path: Path) -> sqlite3.Connection:
 def _read_state(connection: sqlite3.Connection, path: Path) -> TailState:
     written = dict(connection.execute("SELECT key, value FROM state"))
     try:
-        return msgspec.convert(written, TailState)
+        state = msgspec.convert(written, TailState)
     except msgspec.ValidationError as error:
         raise _damaged(path, str(error)) from None
+    if not 0 <= state.segments <= state.sealed_block <= state.last_block:
+        raise _damaged(path, "its numbers contradict each other")
+    return state
 
 
 def _check(connection: sqlite3.Connection, state: TailState, path: Path) -> None:
