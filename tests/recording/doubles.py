@@ -68,7 +68,9 @@ def batches(draw: st.DrawFn, most: int = 8) -> list[Batch]:
             marks.append(Gap(start, now, draw(st.text("aäΩ;\0\n ", max_size=8))))
         if draw(st.booleans()):
             marks.append(ClockStep(now, draw(st.integers(-(10**13), 10**13))))
-        steps = draw(st.lists(st.integers(0, draw(st.sampled_from([3, 10**6, 10**11]))), max_size=9))
+        steps = draw(
+            st.lists(st.integers(0, draw(st.sampled_from([3, 10**6, 10**11]))), max_size=9)
+        )
         scans = draw(st.lists(st.integers(0, 10**9), max_size=9))
         time_ns = now + np.cumsum(np.array(steps, np.int64), dtype=np.int64)
         scan_ns = now + np.cumsum(np.array(scans, np.int64), dtype=np.int64)
@@ -112,9 +114,7 @@ def rows_of(given: Sequence[Batch]) -> list[tuple[int, str, int]]:
     return [
         (int(time_ns), SIGNALS[index].name, int(value))
         for each in given
-        for time_ns, index, value in zip(
-            each.time_ns, each.signal_index, each.value, strict=True
-        )
+        for time_ns, index, value in zip(each.time_ns, each.signal_index, each.value, strict=True)
     ]
 
 

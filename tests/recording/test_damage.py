@@ -46,7 +46,9 @@ def flipped(content: bytes, chance: random.Random) -> bytes:
 def overwritten(content: bytes, chance: random.Random) -> bytes:
     start = chance.randrange(len(content))
     length = chance.randrange(1, 1 + len(content) - start)
-    return content[:start] + chance.choice([b"\0", b"\xff", b"x"]) * length + content[start + length :]
+    return (
+        content[:start] + chance.choice([b"\0", b"\xff", b"x"]) * length + content[start + length :]
+    )
 
 
 def emptied(_content: bytes, _chance: random.Random) -> bytes:
@@ -110,7 +112,9 @@ def going_on(directory: Path) -> None:
 def test_a_newer_recording_is_refused(tmp_path: Path) -> None:
     record(tmp_path, [batch(1)])
     text = (tmp_path / "recording.json").read_text(encoding="utf-8")
-    newer = text.replace('"format": 1', '"format": 2').replace('"created": "', '"created": 7, "x": "')
+    newer = text.replace('"format": 1', '"format": 2').replace(
+        '"created": "', '"created": 7, "x": "'
+    )
     assert newer != text
     (tmp_path / "recording.json").write_text(newer, encoding="utf-8")
     for opened in (open_recording, recorder):

@@ -72,7 +72,9 @@ def test_without_its_tail_the_segments_are_read(in_pieces: Path) -> None:
         path.unlink()
     log = read_recording(in_pieces)
     assert log.columns()[2].tolist() == [1, 2, 11, 12, 21, 22]
-    assert log.report.notes == ["tail.sqlite is missing: what was not yet in a segment is not there"]
+    assert log.report.notes == [
+        "tail.sqlite is missing: what was not yet in a segment is not there"
+    ]
     record(in_pieces, [hour(40)])
     recording = open_recording(in_pieces)
     assert recording.log.columns()[2].tolist() == [1, 2, 11, 12, 21, 22, 41, 42]

@@ -41,7 +41,9 @@ def test_cut_off_while_sealing(
         elif moment == "changes written":
             cut.setattr(segment, "write_durably", fails)
         elif moment == "scans written":
-            cut.setattr(recorder_module, "seal", lambda *arguments: (segment.seal(*arguments), fails()))
+            cut.setattr(
+                recorder_module, "seal", lambda *arguments: (segment.seal(*arguments), fails())
+            )
         else:
             cut.setattr(Tail, "seal", fails)
         try:
@@ -49,12 +51,15 @@ def test_cut_off_while_sealing(
         except rl.InputError as error:
             assert moment == "forgetting", error
     left = {path.name for path in (tmp_path / "segments").iterdir()}
-    assert left == {
-        "before": set(),
-        "changes written": {"000001.parquet"},
-        "scans written": {"000001.parquet", "000001.scans.npz"},
-        "forgetting": {"000001.parquet", "000001.scans.npz"},
-    }[moment]
+    assert (
+        left
+        == {
+            "before": set(),
+            "changes written": {"000001.parquet"},
+            "scans written": {"000001.parquet", "000001.scans.npz"},
+            "forgetting": {"000001.parquet", "000001.scans.npz"},
+        }[moment]
+    )
     state, blocks = read_tail(tmp_path)
     assert state.segments == 0
     assert blocks

@@ -69,7 +69,7 @@ class ScanBatches:
         scans = [*self._idle_ns, time_ns]
         self._idle_ns = []
         self._told_ns = time_ns
-        self._at_once = SCANS_AFTER_A_CHANGE
+        self._at_once = 0 if whole or not len(rows) else SCANS_AFTER_A_CHANGE
         return Batch(
             until_ns=time_ns,
             time_ns=np.full(len(rows), time_ns, np.int64),
