@@ -221,6 +221,15 @@ def test_closing_ends_an_iteration_under_way(on_bench: Callable[[Body], None]) -
     on_bench(body)
 
 
+def test_scanning_without_pause_can_be_closed(on_bench: Callable[[Body], None]) -> None:
+    async def body(bench: Bench) -> None:
+        for _ in range(20):
+            async with open_tap(bench.url, interval="0") as tap:
+                await anext(aiter(tap))
+
+    on_bench(body)
+
+
 def test_a_reader_that_is_cancelled_leaves_nothing_running(
     on_bench: Callable[[Body], None],
 ) -> None:

@@ -10,9 +10,10 @@ from typing import Any
 import pytest
 
 from runglight.errors import InputError
-from runglight.taps import open_tap
+from runglight.taps import modbus_connection, open_tap
 from runglight.taps.base import Batch, ConnectionState, Gap, Tap
-from runglight.taps.modbus_frame import FUNCTION, Request
+from runglight.taps.modbus_connection import ModbusConnection, ModbusEndpoint
+from runglight.taps.modbus_frame import FUNCTION, Request, data_of
 from runglight.taps.modbus_names import Area
 from tests.taps.benches.modbus import (
     READ_INPUT_REGISTERS,
@@ -383,6 +384,27 @@ def test_a_reply_in_pieces_is_put_together() -> None:
         _, first = await first_batch(f"modbus://127.0.0.1:{port}?coils=0-9")
         assert first.value.tolist() == [1, 0] * 5
         server.close()
+
+    run(test())
+
+
+def test_a_cancellation_at_the_moment_of_the_reply_is_heeded(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    async def test() -> None:
+        async with ScriptedServer(right, modbus_frame_bytes) as server:
+            connection = ModbusConnection(ModbusEndpoint("127.0.0.1", server.port, 1, 5.0))
+            await connection.open()
+            reading = asyncio.ensure_future(connection.read(Request(Area.COILS, 0, 8)))
+
+            def cancelling(frame: bytes, request: Request) -> bytes:
+                reading.cancel()
+                return data_of(frame, request)
+
+            monkeypatch.setattr(modbus_connection, "data_of", cancelling)
+            await asyncio.wait([reading])
+            connection.close()
+            assert reading.cancelled()
 
     run(test())
 

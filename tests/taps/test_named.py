@@ -49,3 +49,13 @@ def test_two_signals_of_one_name_are_refused(names: dict[str, str]) -> None:
     tap = NamedTap(open_tap("modbus://127.0.0.1?coils=0-3"), names)
     with pytest.raises(InputError, match=r"gives two signals of modbus://127\.0\.0\.1"):
         _ = tap.signals
+
+
+def test_a_german_table_names_the_signals_of_an_s7() -> None:
+    names = {"E5.0": "Clamp-OPEN", "%A1.2": "Clamp-CLOSE", "DB1.DBX0.0": "Step", "nonsense": "X"}
+    tap = NamedTap(open_tap("s7://127.0.0.1?pe=5&pa=1&db1=0"), names)
+    named = {signal.address: signal.name for signal in tap.signals}
+    assert named["I5.0"] == "Clamp-OPEN"
+    assert named["Q1.2"] == "Clamp-CLOSE"
+    assert named["DB1.DBX0.0"] == "Step"
+    assert named["I5.1"] == "I5.1"

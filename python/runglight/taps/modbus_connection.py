@@ -3,8 +3,9 @@
 import asyncio
 import logging
 import os
+from collections.abc import Awaitable
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeVar
 
 from pymodbus.client import AsyncModbusTcpClient
 from pymodbus.exceptions import ModbusException
@@ -12,6 +13,8 @@ from pymodbus.exceptions import ModbusException
 from runglight.taps.device import DeviceLostError, WrongAnswerError
 from runglight.taps.modbus_frame import Request, data_of, fault_of, is_whole
 from runglight.taps.modbus_names import Area
+
+Result = TypeVar("Result")
 
 ILLEGAL_FUNCTION = 1
 ILLEGAL_ADDRESS = 2
@@ -84,7 +87,7 @@ class ModbusConnection:
     async def open(self) -> None:
         """Connects; DeviceLostError says why it does not."""
         self._refused_because = None
-        if not await self._client.connect():
+        if not await _heeding_cancellation(self._client.connect()):
             raise DeviceLostError(
                 self._refused_because or f"no connection in {self._timeout_s:g} s"
             )
@@ -97,7 +100,7 @@ class ModbusConnection:
         self._request, self._data, self._fault = request, None, None
         self._reader = asyncio.current_task()
         try:
-            reply = await self._ask(request)
+            reply = await _heeding_cancellation(self._ask(request))
         except ModbusException:
             raise DeviceLostError(f"no reply in {self._timeout_s:g} s") from None
         except asyncio.CancelledError:
@@ -165,3 +168,18 @@ class ModbusConnection:
             why = os.strerror(error.errno).lower() if error.errno else str(error)
             self._refused_because = f"no connection: {why}"
             raise
+
+
+async def _heeding_cancellation(waiting: Awaitable[Result]) -> Result:
+    """Cancelled where it was asked to be, even at the moment at which the reply comes.
+
+    pymodbus waits with `asyncio.wait_for`, which forgets such a cancellation before Python 3.12
+    (CPython issue 86296): a tap scanning without pause could not be closed.
+    """
+    task = asyncio.current_task()
+    assert task is not None
+    before = task.cancelling()
+    result = await waiting
+    if task.cancelling() > before:
+        raise asyncio.CancelledError
+    return result

@@ -5,6 +5,7 @@ from dataclasses import replace
 
 from runglight.errors import InputError
 from runglight.taps.base import Answer, Batch, Connection, Tap, TapSignal
+from runglight.taps.s7_address import canonical_s7
 
 
 class NamedTap(Tap):
@@ -17,6 +18,9 @@ class NamedTap(Tap):
     def __init__(self, tap: Tap, names: Mapping[str, str]) -> None:
         self._tap = tap
         self._names = names
+        if tap.url.startswith("s7:"):
+            # Tables exported from a German project say E and A.
+            self._names = {canonical_s7(address): name for address, name in names.items()}
         self._renamed: list[TapSignal] = []
         self._known: set[str] = set()
         self.url = tap.url

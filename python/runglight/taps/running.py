@@ -5,7 +5,7 @@ import threading
 from collections import deque
 from collections.abc import AsyncGenerator, Callable
 from contextlib import aclosing, suppress
-from typing import Protocol
+from typing import Any, Protocol
 
 from runglight.taps.base import Batch
 
@@ -27,38 +27,51 @@ class Running(Protocol):
 
 
 class InLoop:
-    """Scans only when asked for the next batch: a simulated machine's time waits for its reader."""
+    """Scans only when asked for the next batch: a simulated machine's time waits for its reader.
+
+    It scans in the reader's own task, so that a clock which stands still while somebody works
+    stands still for whoever works on a batch.
+    """
 
     def __init__(self, batches: Batches) -> None:
         self._batches = batches()
-        self._waiting: asyncio.Task[Batch] | None = None
+        self._reader: asyncio.Task[Any] | None = None
+        self._left = asyncio.Event()
         self._stopped = False
 
     async def next(self) -> Batch | None:
         """The next batch; None where it was stopped."""
         if self._stopped:
             return None
-        self._waiting = asyncio.create_task(self._scan())
+        reader = asyncio.current_task()
+        assert reader is not None
+        before = reader.cancelling()
+        self._reader = reader
+        self._left.clear()
         try:
-            return await self._waiting
+            batch = await anext(self._batches)
         except asyncio.CancelledError:
-            self._waiting.cancel()
-            if self._stopped:
-                return None
-            raise
-
-    async def _scan(self) -> Batch:
-        return await anext(self._batches)
+            if not self._took_back_stop(reader, before):
+                raise
+            return None
+        finally:
+            self._reader = None
+            self._left.set()
+        return None if self._took_back_stop(reader, before) else batch
 
     async def stop(self) -> None:
         """Ends `next`, and the scanner."""
         if self._stopped:
             return
         self._stopped = True
-        if self._waiting is not None and not self._waiting.done():
-            self._waiting.cancel()
-            await asyncio.wait([self._waiting])
+        if self._reader is not None:
+            self._reader.cancel()
+            await self._left.wait()
         await self._batches.aclose()
+
+    def _took_back_stop(self, reader: "asyncio.Task[Any]", before: int) -> bool:
+        """Whether only `stop` cancelled the reader; that is no matter of the reader's task."""
+        return self._stopped and reader.cancelling() > before and reader.uncancel() <= before
 
 
 class OwnThread:

@@ -67,6 +67,14 @@ def parse_s7_address(text: str) -> S7Address:
     return S7Address(area, int(byte), int(bit or 0), bits, db)
 
 
+def canonical_s7(text: str) -> str:
+    """An address as runglight writes it (`I5.0` of `E5.0`); other text as it is."""
+    try:
+        return str(parse_s7_address(text))
+    except InputError:
+        return text
+
+
 def _refused(text: str) -> InputError:
     return InputError(
         f"{text!r} is no S7 address; write for example I5.0 or E5.0, Q1.2, MB10, DB1.DBX0.0, "

@@ -44,6 +44,8 @@ class Scanner:
         """Goes on for ever; InputError for what can never work. Closes the device at its end."""
         connected = False
         try:
+            # From here on a simulated machine's time waits for this task, also while it connects.
+            await self._clock.sleep_until(self._clock.now_ns())
             while True:
                 try:
                     if not connected:
