@@ -14,7 +14,7 @@ import subprocess
 import sys
 import tempfile
 import time
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 import numpy as np
@@ -30,6 +30,15 @@ SEAL_ROWS = 4_000
 KILLS_PER_DIRECTORY = 5
 SIGNALS = [TapSignal(f"Cell-Device{n}-Signal", f"%IX{n // 8}.{n % 8}") for n in range(400)]
 _GIVEN = struct.Struct("<qq")
+
+
+@dataclass
+class Synthetic:
+    """What a recorder knows of the synthetic tap."""
+
+    signals: list[TapSignal] = field(default_factory=lambda: list(SIGNALS))
+    url: str = "synthetic:"
+    interval_ns: int | None = 0
 
 
 @dataclass(frozen=True)
@@ -65,9 +74,7 @@ def _spread(start_ns: int, end_ns: int, count: int) -> "np.ndarray[tuple[int], n
 
 def record(directory: Path, first_row: int) -> None:
     """Records until killed; says on standard output what the recorder was given."""
-    with Recorder(
-        directory, signals=SIGNALS, source="synthetic", interval_ns=0, seal_at=SealAt(SEAL_ROWS)
-    ) as recorder:
+    with Recorder(directory, Synthetic(), seal_at=SealAt(SEAL_ROWS)) as recorder:
         now_ns = time.time_ns()
         while True:
             time.sleep(BATCH_S)

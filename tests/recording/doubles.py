@@ -3,7 +3,7 @@
 import asyncio
 import time
 from collections.abc import AsyncIterator, Callable, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -118,16 +118,18 @@ def rows_of(given: Sequence[Batch]) -> list[tuple[int, str, int]]:
     ]
 
 
+@dataclass
+class Tapped:
+    """What a recorder knows of a tap."""
+
+    signals: list[TapSignal] = field(default_factory=lambda: list(SIGNALS))
+    url: str = "double:"
+    interval_ns: int | None = 10_000_000
+
+
 def recorder(directory: Path, seal_at: SealAt | None = None, reserve_bytes: int = 0) -> Recorder:
     """A recorder of `SIGNALS`."""
-    return Recorder(
-        directory,
-        signals=SIGNALS,
-        source="double:",
-        interval_ns=10_000_000,
-        seal_at=seal_at,
-        reserve_bytes=reserve_bytes,
-    )
+    return Recorder(directory, Tapped(), seal_at=seal_at, reserve_bytes=reserve_bytes)
 
 
 def record(directory: Path, given: Sequence[Batch], seal_at: SealAt | None = None) -> None:

@@ -46,7 +46,7 @@ def rows_kept(directory: Path) -> int:
 def test_a_full_disk_stops_recording_and_keeps_what_was_there(small_disk: SmallDisk) -> None:
     directory = small_disk.path / "recording"
     full = recorder(directory)
-    with pytest.raises(rl.InputError, match="recording stopped, because its disk is full; .*kept"):
+    with pytest.raises(rl.InputError, match=r"recording stopped, because its disk is full; .*kept"):
         until_it_stops(full)
     full.close()
     kept = rows_kept(directory)

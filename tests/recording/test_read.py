@@ -12,7 +12,16 @@ from runglight.recording.session import STOPPED
 from runglight.taps.base import Batch, Gap, TapSignal
 from tests.conftest import Command, simulated
 from tests.recording.conftest import SmallDisk
-from tests.recording.doubles import SECOND, START_NS, at, batch, eventually, record, recorder
+from tests.recording.doubles import (
+    SECOND,
+    START_NS,
+    Tapped,
+    at,
+    batch,
+    eventually,
+    record,
+    recorder,
+)
 
 
 def values(directory: Path, **range_: object) -> list[int]:
@@ -46,7 +55,7 @@ def test_a_range_of_time(in_pieces: Path) -> None:
     assert values(in_pieces, since=start + timedelta(seconds=22)) == [22, 31, 32]
     assert read_recording(in_pieces, at(2), at(12)).engine.gaps == [(at(3), at(11))]
     with pytest.raises(rl.InputError, match="has no time zone"):
-        read_recording(in_pieces, since=datetime(2026, 1, 1))  # noqa: DTZ001
+        read_recording(in_pieces, since=datetime(2026, 1, 1))
 
 
 def test_what_lies_outside_the_range_is_not_opened(in_pieces: Path) -> None:
@@ -109,7 +118,7 @@ def test_scans_that_took_longer_than_wanted(tmp_path: Path) -> None:
 
 
 def test_a_directory_that_is_no_recording(tmp_path: Path) -> None:
-    with pytest.raises(rl.InputError, match="is no recording, because it has no recording.json"):
+    with pytest.raises(rl.InputError, match="is no recording, because it has no"):
         read_recording(tmp_path)
 
 
@@ -118,7 +127,7 @@ def recorded(log: Log, directory: Path, gap: tuple[int, int] | None = None) -> N
     time_ns, index, value = log.columns()
     signals = [TapSignal(name, name) for name in log.signals]
     end_ns = int(time_ns[-1])
-    with Recorder(directory, signals=signals, source="double:", reserve_bytes=0) as made:
+    with Recorder(directory, Tapped(signals), reserve_bytes=0) as made:
         if gap is None:
             made.append(Batch(end_ns, time_ns, index, value))
             return
@@ -159,6 +168,12 @@ def test_gaps_reach_watching_and_learning(tmp_path: Path, nominal_model: rl.Nomi
 
     with_gap, without = rl.learn(seen), rl.learn(unmarked)
     assert len(with_gap.rules_json()) < len(without.rules_json())
+
+
+def test_gaps_are_kept_in_the_order_of_what_follows_them() -> None:
+    log = simulated(cycles=1)
+    again = Log.from_columns(*log.columns(), log.signals, gaps=[(7, 9), (1, 3), (2, 3)])
+    assert again.engine.gaps == [(1, 3), (2, 3), (7, 9)]
 
 
 def test_a_gap_that_ends_before_it_starts_is_refused() -> None:

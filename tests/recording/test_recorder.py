@@ -15,9 +15,13 @@ from runglight.errors import InputError
 from runglight.recording.read import open_recording, read_recording
 from runglight.recording.recorder import Recorder, SealAt
 from runglight.recording.session import CUT_OFF, STOPPED
+from runglight.recording.tail import read_tail
 from runglight.taps.base import Batch, ClockStep, Gap, TapSignal
+from runglight.taps.named import NamedTap
 from tests.recording.doubles import (
     SIGNALS,
+    DoubleTap,
+    Tapped,
     at,
     batch,
     batches,
@@ -114,7 +118,7 @@ def test_a_tap_that_goes_back_in_time_is_a_defect(tmp_path: Path) -> None:
 
 def test_signals_may_grow_while_recording(tmp_path: Path) -> None:
     signals = SIGNALS[:1]
-    with Recorder(tmp_path, signals=signals, source="double:", reserve_bytes=0) as growing:
+    with Recorder(tmp_path, Tapped(signals), reserve_bytes=0) as growing:
         growing.append(batch(1, [(0.5, 0, 1)]))
         signals.extend(SIGNALS[1:])
         growing.append(batch(2, [(1.5, 2, 40)]))
@@ -131,7 +135,7 @@ def test_signals_may_grow_while_recording(tmp_path: Path) -> None:
 
 def test_another_order_of_the_signals_next_time(tmp_path: Path) -> None:
     record(tmp_path, [batch(1, [(0.5, 3, 7)])])
-    with Recorder(tmp_path, signals=SIGNALS[::-1], source="other:", reserve_bytes=0) as turned:
+    with Recorder(tmp_path, Tapped(SIGNALS[::-1], "other:"), reserve_bytes=0) as turned:
         turned.append(batch(3, [(2.5, 3, 1), (2.6, 0, 8)]))
     assert rows_read(tmp_path) == [
         (at(0.5), "Zähler Ω", 7),
@@ -140,29 +144,31 @@ def test_another_order_of_the_signals_next_time(tmp_path: Path) -> None:
     ]
 
 
-def test_names_from_a_symbol_table(tmp_path: Path) -> None:
-    with Recorder(
-        tmp_path,
-        signals=SIGNALS,
-        source="double:",
-        reserve_bytes=0,
-        rename=lambda signal: {"%IX0.0": "Line-Clamp-CLOSED"}.get(signal.address, signal.name),
-    ) as renaming:
+def test_names_from_a_symbol_table_come_as_the_tap_grows(tmp_path: Path) -> None:
+    tap = DoubleTap([])
+    tap.signals = SIGNALS[:1]
+    named = NamedTap(tap, {"%IX0.0": "Line-Clamp-CLOSED", "%QX0.0": "Line-Clamp-CLOSE"})
+    with Recorder(tmp_path, named, reserve_bytes=0) as renaming:
         renaming.append(batch(1, [(0.5, 0, 1)]))
-    assert rows_read(tmp_path) == [(at(0.5), "Line-Clamp-CLOSED", 1)]
+        tap.signals.append(SIGNALS[1])
+        renaming.append(batch(2, [(1.5, 1, 1)]))
+    assert rows_read(tmp_path) == [
+        (at(0.5), "Line-Clamp-CLOSED", 1),
+        (at(1.5), "Line-Clamp-CLOSE", 1),
+    ]
 
 
 def test_two_signals_of_one_name_are_refused(tmp_path: Path) -> None:
     twice = [TapSignal("X", "%IX0.0"), TapSignal("X", "%IX0.1")]
     with pytest.raises(InputError, match="two signals of one name: X"):
-        Recorder(tmp_path, signals=twice, source="double:", reserve_bytes=0)
+        Recorder(tmp_path, Tapped(twice), reserve_bytes=0)
 
 
 def test_one_name_goes_on_to_mean_one_address(tmp_path: Path) -> None:
     record(tmp_path, [batch(1)])
     moved = [TapSignal("A-B-ON", "%IX9.9")]
     with pytest.raises(InputError, match=r"recorded from %IX0\.0 so far, and now .* %IX9\.9"):
-        Recorder(tmp_path, signals=moved, source="double:", reserve_bytes=0)
+        Recorder(tmp_path, Tapped(moved), reserve_bytes=0)
     record(tmp_path, [batch(3)])  # Refusing has left no lock behind.
 
 
@@ -209,6 +215,8 @@ def test_a_quiet_machine_is_recorded_too(tmp_path: Path) -> None:
         eventually(lambda: quiet.until_ns == at(1))
         quiet.append(batch(2))
     assert open_recording(tmp_path).until_ns == at(2)
+    state, blocks = read_tail(tmp_path)
+    assert (state.until_ns, blocks) == (at(2), [])
 
 
 def test_after_closing_nothing_is_taken(tmp_path: Path) -> None:

@@ -23,8 +23,7 @@ if TYPE_CHECKING:
 
     from runglight.cli.record_status import RecordStatus
     from runglight.configuration import Configuration
-    from runglight.recording.numbering import Rename
-    from runglight.taps.base import Tap, TapSignal
+    from runglight.taps.base import Tap
     from runglight.taps.clock import Clock
 
 
@@ -86,16 +85,16 @@ def record(
         raise InputError(f"where to? runglight record {url} --to DIRECTORY")
     photos_s = duration_s(photo_interval or settings.photo_interval, "--photo-interval")
     reserve = settings.reserve_mb if reserve_mb is None else reserve_mb
+    names = _names(configuration, symbols, naming)
     run = _Run(
-        tap=lambda clock: open_tap(
-            url, interval=interval or configuration.source.interval, clock=clock
+        tap=lambda clock: _named(
+            open_tap(url, interval=interval or configuration.source.interval, clock=clock), names
         ),
         directory=to,
         for_s=None if duration is None else duration_s(duration, "--for"),
         camera=camera if camera is not None else settings.camera,
         photos_s=photos_s,
         reserve_bytes=round(reserve * 1e6),
-        rename=_rename(configuration, symbols, naming),
     )
     return run()
 
@@ -110,7 +109,6 @@ class _Run:
         camera: str | None,
         photos_s: float,
         reserve_bytes: int,
-        rename: Rename | None,
     ) -> None:
         self._tap = tap
         self._directory = directory
@@ -118,7 +116,6 @@ class _Run:
         self._camera = camera
         self._photos_s = photos_s
         self._reserve_bytes = reserve_bytes
-        self._rename = rename
         self._status: RecordStatus | None = None
 
     def __call__(self) -> int:
@@ -137,7 +134,7 @@ class _Run:
     async def _record(self) -> None:
         # Loaded when something is recorded: NumPy and SQLite.
         from runglight.cli.record_status import RecordStatus  # noqa: PLC0415
-        from runglight.recording.camera import camera_of  # noqa: PLC0415
+        from runglight.recording.cameras import camera_of  # noqa: PLC0415
         from runglight.recording.meter import Meter  # noqa: PLC0415
         from runglight.recording.recorder import Recorder  # noqa: PLC0415
         from runglight.recording.run import record as run  # noqa: PLC0415
@@ -149,9 +146,7 @@ class _Run:
         if self._camera is not None:
             camera = camera_of(self._camera, self._directory, clock, self._photos_s)
         async with self._tap(clock) as tap:
-            with Recorder.of(
-                tap, self._directory, rename=self._rename, reserve_bytes=self._reserve_bytes
-            ) as recorder:
+            with Recorder(self._directory, tap, reserve_bytes=self._reserve_bytes) as recorder:
                 status = RecordStatus(tap, recorder, Meter(tap.interval_ns), camera)
                 self._status = status
                 with status:
@@ -173,23 +168,26 @@ def _end_at_sigterm() -> None:
         asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, task.cancel)
 
 
-def _rename(
+def _names(
     configuration: Configuration, symbols: Path | None, naming: str | None
-) -> Rename | None:
-    """Names by the symbol table; addresses it does not know keep theirs."""
+) -> dict[str, str]:
+    """Names by address, from the symbol table."""
     table = symbols if symbols is not None else configuration.symbols.table
-    if table is None:
-        return None
     if naming is not None:
         try:
             check_naming(naming)
         except ValueError as error:
             raise InputError(f"--naming: {error}") from None
-    names = names_by_address(
+    if table is None:
+        return {}
+    return names_by_address(
         read_symbols(Path(table)), naming if naming is not None else configuration.symbols.naming
     )
 
-    def name_of(signal: TapSignal) -> str:
-        return names.get(signal.address) or names.get(signal.name, signal.name)
 
-    return name_of
+def _named(tap: Tap, names: dict[str, str]) -> Tap:
+    if not names:
+        return tap
+    from runglight.taps.named import NamedTap  # noqa: PLC0415
+
+    return NamedTap(tap, names)

@@ -13,6 +13,7 @@ from runglight import _engine
 from runglight.errors import InputError
 from runglight.log.options import ReadOptions
 from runglight.log.report import ReadReport
+from runglight.recording.layout import is_recording
 from runglight.strictly import convert
 
 if TYPE_CHECKING:
@@ -163,7 +164,7 @@ def read_log_with(path: str | PathLike[str] | None, options: ReadOptions) -> Log
     if path is None:
         return _read_table(options)
     text = os.fspath(path)
-    if (Path(text) / "recording.json").is_file():
+    if is_recording(Path(text)):
         # Loaded when there is one: a recording needs SQLite and NumPy.
         from runglight.recording.read import read_recording  # noqa: PLC0415
 

@@ -7,6 +7,7 @@ from collections import deque
 import numpy as np
 
 from runglight.recording.block import Integers
+from runglight.recording.stretch import batch_start_ns
 from runglight.taps.base import Batch
 
 WINDOW_S = 10.0
@@ -24,7 +25,7 @@ class Meter:
     def take(self, batch: Batch) -> None:
         """Counts a batch; an image is no change."""
         if self._start_ns is None:
-            self._start_ns = batch.until_ns
+            self._start_ns = batch_start_ns(batch)
         self._until_ns = batch.until_ns
         changes = 0 if batch.image else len(batch)
         self._seen.append((batch.until_ns, changes, batch.scan_ns))

@@ -2,40 +2,32 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 
 from runglight.errors import InputError
 from runglight.recording.description import Description, RecordedSignal, write_description
 from runglight.taps.base import TapSignal
 
-Rename = Callable[[TapSignal], str]
-
 
 class Numbering:
     """Follows the growing list of a tap's signals; new ones are described before they are used."""
 
     def __init__(
-        self,
-        directory: Path,
-        description: Description,
-        signals: Sequence[TapSignal],
-        rename: Rename | None = None,
+        self, directory: Path, description: Description, signals: Sequence[TapSignal]
     ) -> None:
         self._directory = directory
         self._description = description
-        self._signals = signals
-        self._rename = rename
         self._known = {signal.name: at for at, signal in enumerate(description.signals)}
         self._numbers: list[int] = []
         self._taken: set[str] = set()
-        for signal in map(self._recorded, signals):
+        for signal in signals:
             self._refuse_another(signal)
-        self.numbers()
+        self.numbers(signals)
 
-    def numbers(self) -> list[int]:
+    def numbers(self, signals: Sequence[TapSignal]) -> list[int]:
         """The recording's number of each of the tap's signals."""
-        new = [self._recorded(signal) for signal in self._signals[len(self._numbers) :]]
+        new = [_recorded(signal) for signal in signals[len(self._numbers) :]]
         for signal in new:
             if signal.name in self._taken:
                 raise InputError(
@@ -58,16 +50,7 @@ class Numbering:
         """Names of the recording's signals, by number."""
         return [signal.name for signal in self._description.signals]
 
-    def _recorded(self, signal: TapSignal) -> RecordedSignal:
-        return RecordedSignal(
-            name=signal.name if self._rename is None else self._rename(signal),
-            address=signal.address,
-            type=signal.type,
-            signal_class=signal.signal_class,
-            description=signal.description,
-        )
-
-    def _refuse_another(self, signal: RecordedSignal) -> None:
+    def _refuse_another(self, signal: TapSignal) -> None:
         """One name must go on to mean one address."""
         number = self._known.get(signal.name)
         if number is None:
@@ -78,3 +61,13 @@ class Numbering:
                 f"{self._directory}: {signal.name} was recorded from {before.address} so far, and "
                 f"now would be from {signal.address}; record to another directory"
             )
+
+
+def _recorded(signal: TapSignal) -> RecordedSignal:
+    return RecordedSignal(
+        name=signal.name,
+        address=signal.address,
+        type=signal.type,
+        signal_class=signal.signal_class,
+        description=signal.description,
+    )

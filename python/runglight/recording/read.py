@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
-from dataclasses import dataclass
+from collections.abc import Callable, Iterable, Iterator
+from dataclasses import dataclass, replace
 from datetime import datetime
+from functools import partial
 from os import PathLike
 from pathlib import Path
 
@@ -50,15 +51,20 @@ def read_recording(
     `since` and `until` (aware datetimes, or nanoseconds since 1970) name a range, both ends
     included; what lies outside is not even opened. InputError where a file is damaged.
     """
-    return open_recording(directory, since, until).log
+    return open_recording(directory, since, until, scans=False).log
 
 
 def open_recording(
     directory: str | PathLike[str],
     since: datetime | int | None = None,
     until: datetime | int | None = None,
+    *,
+    scans: bool = True,
 ) -> Recording:
-    """The log of a recording, its scans and its marks; arguments as in `read_recording`."""
+    """The log of a recording, its scans and its marks; arguments as in `read_recording`.
+
+    Without `scans` their times are not read (`scan_ns` is then not to be counted on).
+    """
     path = Path(directory)
     within = TimeRange(
         None if since is None else nanoseconds(since), None if until is None else nanoseconds(until)
@@ -69,7 +75,8 @@ def open_recording(
         tail, numbers = _tail_and_segments(path, notes)
         description = read_description(path)
         by_name = {signal.name: at for at, signal in enumerate(description.signals)}
-        pieces = [*_segments(path, numbers, by_name, within, notes), *tail]
+        read = partial(read_segment, path, numbers=by_name, scans=scans)
+        pieces = [*_segments(path, numbers, read, within, notes), *tail]
     except OSError as error:
         place = error.filename or path
         raise InputError(f"{place}: cannot be read ({error.strerror}); check the disk") from None
@@ -83,8 +90,11 @@ def _tail_and_segments(path: Path, notes: list[str]) -> tuple[list[Stretch], lis
         notes.append(f"{TAIL} is missing: what was not yet in a segment is not there")
         return [], _up_to(numbers[-1] if numbers else 0)
     state, blocks = read_tail(path)
-    tail = [Stretch.of([block for _, block in blocks])] if blocks else []
-    return tail, _up_to(state.segments)
+    if not state.until_ns:
+        return [], []
+    # Time may have gone on since the last block.
+    tail = Stretch.of([block for _, block in blocks]) if blocks else Stretch.quiet(state.until_ns)
+    return [replace(tail, until_ns=state.until_ns)], _up_to(state.segments)
 
 
 def _up_to(number: int) -> list[int]:
@@ -94,7 +104,7 @@ def _up_to(number: int) -> list[int]:
 def _segments(
     path: Path,
     numbers: list[int],
-    by_name: dict[str, int],
+    read: Callable[[int], Stretch],
     within: TimeRange,
     notes: list[str],
 ) -> Iterator[Stretch | None]:
@@ -106,7 +116,7 @@ def _segments(
             continue
         head = read_head(path, number)
         if within.touches(head):
-            yield read_segment(path, number, by_name)
+            yield read(number)
 
 
 def _in_range(
@@ -167,7 +177,7 @@ def _recording(
 
 def _scan_interval_ns(wanted_ns: int | None, stretches: list[Stretch]) -> int | None:
     """What the scans really took where that is longer than wanted; None where there are none."""
-    steps = [np.diff(each.scan_ns) for each in stretches if len(each.scan_ns) > 1]
-    if wanted_ns is None or not steps:
+    taken_ns = [each.scan_interval_ns for each in stretches if each.scan_interval_ns is not None]
+    if wanted_ns is None or not taken_ns:
         return wanted_ns or None
-    return max(wanted_ns, int(np.median(np.concatenate(steps))))
+    return max(wanted_ns, int(np.median(taken_ns)))

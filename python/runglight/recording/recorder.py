@@ -10,37 +10,22 @@ from __future__ import annotations
 import sqlite3
 import threading
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import dataclass
 from pathlib import Path
 from types import TracebackType
-from typing import Self
+from typing import Protocol, Self
 
 from runglight.errors import InputError
-from runglight.moments import iso
-from runglight.recording import disk
+from runglight.recording import disk, place
 from runglight.recording.block import Block
-from runglight.recording.description import (
-    FORMAT,
-    Description,
-    read_description,
-    write_description,
-)
-from runglight.recording.layout import (
-    DESCRIPTION,
-    LOCK,
-    PHOTOS,
-    SEGMENTS,
-    is_recording,
-    sealed_numbers,
-)
 from runglight.recording.lock import DirectoryLock
-from runglight.recording.numbering import Numbering, Rename
-from runglight.recording.segment import read_head, seal
+from runglight.recording.numbering import Numbering
+from runglight.recording.segment import seal
 from runglight.recording.session import Session
-from runglight.recording.tail import Tail, TailState
-from runglight.taps.base import Batch, Tap, TapSignal
+from runglight.recording.tail import Tail
+from runglight.taps.base import Batch, TapSignal
 
 COMMIT_S = 0.2
 QUIET_COMMIT_S = 1.0
@@ -58,21 +43,33 @@ class SealAt:
     age_s: float = 600.0
 
 
+class Tapped(Protocol):
+    """What a recorder must know of a `Tap`."""
+
+    @property
+    def url(self) -> str:
+        """Where it taps, without secrets."""
+
+    @property
+    def signals(self) -> list[TapSignal]:
+        """Grows only."""
+
+    @property
+    def interval_ns(self) -> int | None:
+        """Wanted time between two scans."""
+
+
 class Recorder:
     """Writes one recording; InputError where another recorder does, or where it cannot.
 
-    `signals` is the tap's own list, which may go on growing. A directory that is a recording is
-    gone on with: the time between is a gap.
+    A directory that is a recording is gone on with: the time between is a gap.
     """
 
     def __init__(
         self,
         directory: Path,
+        tap: Tapped,
         *,
-        signals: Sequence[TapSignal],
-        source: str,
-        interval_ns: int | None = None,
-        rename: Rename | None = None,
         reserve_bytes: int = disk.RESERVE_BYTES,
         seal_at: SealAt | None = None,
     ) -> None:
@@ -82,19 +79,21 @@ class Recorder:
         self.scans = 0
         self.until_ns = 0
         """Up to here everything is on the disk."""
+        self._tap = tap
         self._reserve_bytes = reserve_bytes
         self._seal_at = seal_at or SealAt()
-        _prepare(directory)
+        place.prepare(directory)
         try:
             self._lock = DirectoryLock(directory)
         except OSError as error:
             raise disk.stopped(directory, error, 0) from None
         try:
-            _sweep(directory)
+            place.sweep(directory)
             disk.check_reserve(directory, reserve_bytes, 0)
-            self._description = _described(directory, source, interval_ns)
-            self._numbering = Numbering(directory, self._description, signals, rename)
-            self._tail = Tail(directory, _state_of_segments(directory))
+            self._description = place.described(directory, tap.url, tap.interval_ns)
+            self._signals = tap.signals
+            self._numbering = Numbering(directory, self._description, self._signals)
+            self._tail = Tail(directory, place.state_of_segments(directory))
         except (sqlite3.Error, OSError) as error:
             self._lock.release()
             raise disk.stopped(directory, error, 0) from None
@@ -117,31 +116,14 @@ class Recorder:
         self._writer = threading.Thread(target=self._run, name="runglight-recorder", daemon=True)
         self._writer.start()
 
-    @classmethod
-    def of(
-        cls,
-        tap: Tap,
-        directory: Path,
-        *,
-        rename: Rename | None = None,
-        reserve_bytes: int = disk.RESERVE_BYTES,
-    ) -> Self:
-        """A recorder of what a tap gives."""
-        return cls(
-            directory,
-            signals=tap.signals,
-            source=tap.url,
-            interval_ns=tap.interval_ns,
-            rename=rename,
-            reserve_bytes=reserve_bytes,
-        )
-
     def append(self, batch: Batch) -> None:
         """Takes a batch; InputError where recording had to stop (what was there is kept)."""
         self.check()
         if self._closed:
             raise ValueError("the recorder is closed")
         taken = self._session.taken(batch)
+        # Looked at in the tap's own thread, and before the batch that may count on it.
+        self._signals = self._tap.signals
         with self._queue_lock:
             self._queue.append(taken)
         self.rows += len(batch)
@@ -231,8 +213,11 @@ class Recorder:
             with self._queue_lock:
                 self._queue[:0] = batches[-1:]
             return
-        block = Block.of(batches, self._numbering.numbers())
-        self._tail.append(block)
+        block = Block.of(batches, self._numbering.numbers(self._signals))
+        if told_something:
+            self._tail.append(block)
+        else:
+            self._tail.advance(block.until_ns)
         self._committed = time.monotonic()
         self.until_ns = block.until_ns
         self._unsealed_rows += len(block.time_ns)
@@ -271,51 +256,3 @@ class Recorder:
             return
         self._tail.seal(number, last_block)
         self._unsealed_rows, self._unsealed_scans = self._tail.unsealed()
-
-
-def _prepare(directory: Path) -> None:
-    """A place for a recording: new, empty, or a recording; InputError for anything else."""
-    if directory.exists() and not directory.is_dir():
-        raise InputError(f"{directory}: is a file; name a directory to record to")
-    try:
-        if directory.is_dir() and not is_recording(directory):
-            # What a recorder leaves that was killed before it described anything is no hindrance.
-            ours = (LOCK, SEGMENTS, f".{DESCRIPTION}.")
-            if any(not path.name.startswith(ours) for path in directory.iterdir()):
-                raise InputError(
-                    f"{directory}: is not empty and no recording; name another directory"
-                )
-        (directory / SEGMENTS).mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise disk.stopped(directory, error, 0) from None
-
-
-def _sweep(directory: Path) -> None:
-    """Takes away the temporary files of a recorder that was killed."""
-    for place, names in ((directory, f".{DESCRIPTION}.*"), (SEGMENTS, ".*"), (PHOTOS, ".*")):
-        for path in (directory / place).glob(names):
-            path.unlink()
-
-
-def _described(directory: Path, source: str, interval_ns: int | None) -> Description:
-    """The description there is, brought up to date, or a new one."""
-    if is_recording(directory):
-        description = read_description(directory)
-        if (description.source, description.interval_ns) == (source, interval_ns):
-            return description
-        description.source, description.interval_ns = source, interval_ns
-    else:
-        created = iso(time.time_ns())
-        description = Description(FORMAT, created, source, interval_ns)
-    write_description(directory, description)
-    return description
-
-
-def _state_of_segments(directory: Path) -> TailState:
-    """Where recording stands if there is no tail: after the segments."""
-    numbers = sealed_numbers(directory)
-    if not numbers:
-        return TailState()
-    head = read_head(directory, numbers[-1])
-    # Every segment has at least one block, whose numbers go on.
-    return TailState(head.number, head.number, head.number, head.until_ns)

@@ -36,6 +36,7 @@ class _About(msgspec.Struct):
     until_ns: int
     rows: int
     changes_crc32: int
+    scan_interval_ns: int | None
     marks: list[PackedMark]
 
 
@@ -84,6 +85,7 @@ def write_segment(
         until_ns=stretch.until_ns,
         rows=len(stretch.time_ns),
         changes_crc32=_crc32(changes) if len(stretch.time_ns) else 0,
+        scan_interval_ns=stretch.scan_interval_ns,
         marks=[PackedMark.of(mark) for mark in stretch.marks],
     )
     first, steps = differences(stretch.scan_ns)
@@ -103,9 +105,12 @@ def read_head(directory: Path, number: int) -> SegmentHead:
     return SegmentHead(number, about.start_ns, about.until_ns, about.rows)
 
 
-def read_segment(directory: Path, number: int, numbers: dict[str, int]) -> Stretch:
-    """A segment's columns; `numbers` are those of the recording's signals by name."""
-    about, scan_ns = _beside(directory, number, scans=True)
+def read_segment(directory: Path, number: int, numbers: dict[str, int], *, scans: bool) -> Stretch:
+    """A segment's columns; `numbers` are those of the recording's signals by name.
+
+    Without `scans` their times are left on the disk: a day of them can be gigabytes.
+    """
+    about, scan_ns = _beside(directory, number, scans=scans)
     path = changes_file(directory, number)
     if about.rows == 0:
         time_ns: Integers = np.empty(0, np.int64)
@@ -125,6 +130,7 @@ def read_segment(directory: Path, number: int, numbers: dict[str, int]) -> Stret
         value=value,
         scan_ns=scan_ns,
         marks=tuple(mark.mark() for mark in about.marks),
+        scan_interval_ns=about.scan_interval_ns,
     )
 
 

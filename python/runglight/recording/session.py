@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from runglight.recording.stretch import begin_ns
+from runglight.recording.stretch import batch_start_ns
 from runglight.recording.tail import TailState
 from runglight.taps.base import Batch, ClockStep, Gap, Mark
 
@@ -28,7 +28,7 @@ class Session:
         marks: tuple[Mark, ...] = ()
         if not self._begun:
             self._begun = True
-            marks = self._joint(_start(batch))
+            marks = self._joint(batch_start_ns(batch))
         if self._shift_ns:
             batch = _shifted(batch, self._shift_ns)
         self._check(batch)
@@ -57,11 +57,6 @@ class Session:
                 raise ValueError("a tap's batch holds times outside it")
             if len(times) > 1 and np.any(times[1:] < times[:-1]):
                 raise ValueError("a tap's times run backwards")
-
-
-def _start(batch: Batch) -> int:
-    firsts = (int(times[0]) for times in (batch.time_ns, batch.scan_ns) if len(times))
-    return min([batch.until_ns, *firsts, *map(begin_ns, batch.marks)])
 
 
 def _shifted(batch: Batch, shift_ns: int) -> Batch:

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from runglight.recording.block import Block, Integers
-from runglight.taps.base import ClockStep, Gap, Mark
+from runglight.taps.base import Batch, ClockStep, Gap, Mark
 
 
 @dataclass(frozen=True, slots=True)
@@ -23,6 +23,8 @@ class Stretch:
     value: Integers
     scan_ns: Integers
     marks: tuple[Mark, ...] = ()
+    scan_interval_ns: int | None = None
+    """Median time between two scans; None for fewer than two."""
 
     @classmethod
     def of(cls, blocks: Sequence[Block]) -> Stretch:
@@ -39,7 +41,14 @@ class Stretch:
             value=np.concatenate([block.value for block in blocks]),
             scan_ns=scan_ns,
             marks=marks,
+            scan_interval_ns=int(np.median(np.diff(scan_ns))) if len(scan_ns) > 1 else None,
         )
+
+    @classmethod
+    def quiet(cls, time_ns: int) -> Stretch:
+        """A moment at which nothing happened."""
+        none: Integers = np.empty(0, np.int64)
+        return cls(time_ns, time_ns, none, none, none, none)
 
     def within(self, range: TimeRange) -> Stretch:
         """What lies in a range; gaps are cut to it."""
@@ -86,6 +95,12 @@ class TimeRange:
             timed.start_ns if self.since_ns is None else max(timed.start_ns, self.since_ns),
             timed.until_ns if self.until_ns is None else min(timed.until_ns, self.until_ns),
         )
+
+
+def batch_start_ns(batch: Batch) -> int:
+    """When the first of what a batch tells happened."""
+    firsts = (int(times[0]) for times in (batch.time_ns, batch.scan_ns) if len(times))
+    return min([batch.until_ns, *firsts, *map(begin_ns, batch.marks)])
 
 
 def gaps_of(marks: Iterable[Mark]) -> list[tuple[int, int]]:

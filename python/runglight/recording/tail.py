@@ -84,6 +84,13 @@ class Tail:
             self._keep(state)
         self.state = state
 
+    def advance(self, until_ns: int) -> None:
+        """Commits that time went on to `until_ns` and nothing happened."""
+        state = msgspec.structs.replace(self.state, until_ns=until_ns, closed=0)
+        with self._transaction():
+            self._keep(state)
+        self.state = state
+
     def seal(self, number: int, last_block: int) -> None:
         """Forgets blocks that are in a segment: both happen, or neither."""
         state = msgspec.structs.replace(self.state, segments=number, sealed_block=last_block)
