@@ -80,12 +80,9 @@ def test_the_overview(runglight: Command) -> None:
         ]
         assert commands == [
             "demo",
-<<<<<<< HEAD
             "init",
             "check",
-=======
             "record",
->>>>>>> recorder
             "learn",
             "show",
             "watch",

@@ -1,5 +1,6 @@
 """Live watching finds what watching the same log in one piece finds."""
 
+import itertools
 import json
 
 import numpy as np
@@ -42,7 +43,7 @@ def test_any_batches_give_the_findings_of_the_whole_log(
     hurry = data.draw(st.floats(0, 1))
     watcher = watcher_of(nominal_model, faulty)
     lines = []
-    for start, end in zip(cuts, cuts[1:], strict=False):
+    for start, end in itertools.pairwise(cuts):
         last = int(time_ns[end - 1])
         following = int(time_ns[end]) if end < len(faulty) else last
         lines += watcher.take(batch_of(faulty, start, end))
@@ -59,7 +60,7 @@ def test_every_row_alone(nominal_model: NominalModel, faulty: Log, offline: list
     time_ns = faulty.columns()[0]
     starts = [0, *(np.flatnonzero(np.diff(time_ns)) + 1).tolist(), len(faulty)]
     lines = []
-    for start, end in zip(starts, starts[1:], strict=False):
+    for start, end in itertools.pairwise(starts):
         lines += watcher.take(batch_of(faulty, start, end))
     assert lines + watcher.complete() == offline
 

@@ -119,6 +119,7 @@ class Session:
 
     def take(self, batch: Batch) -> None:
         """Watches one batch."""
+        self._look_at_connection(self._tap.connection)
         started_s = time.perf_counter()
         lines = self._watcher.take(batch)
         took_s = time.perf_counter() - started_s
@@ -181,13 +182,16 @@ class Session:
 
     def _look_at_connection(self, now: Connection) -> None:
         before, self._seen = self._seen, now
-        if now.state is before.state:
+        if now is before:
             return
-        if now.state is ConnectionState.RETRYING:
+        if now.state is ConnectionState.RETRYING and before.state is not now.state:
             self._say(f"{self._tap.url}: connection lost: {now.reason}; trying again")
             # A gap follows: nothing more can come of the scan that waits for its end.
             self._hand_on(self._watcher.complete())
-        elif now.state is ConnectionState.CONNECTED and before.state is ConnectionState.RETRYING:
+        elif now.state is ConnectionState.CONNECTED and (
+            # It may have been away for less than a look.
+            before.state is ConnectionState.RETRYING or now.reconnects > before.reconnects
+        ):
             self._say(f"{self._tap.url}: connected again")
 
     async def _save(self) -> None:
