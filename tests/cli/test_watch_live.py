@@ -111,6 +111,11 @@ class Started:
         return self.process.returncode, stdout, stderr
 
 
+def kept(model: Path) -> list[str]:
+    with FindingStore(model, create=False) as store:
+        return [each.line for each in store.after(0, 1000)]
+
+
 def wait_for(what: Callable[[], bool]) -> None:
     deadline = time.monotonic() + GUARD_S
     while not what():
@@ -133,9 +138,7 @@ def test_an_interruption_keeps_everything(
     assert ended == code, stderr
     assert not stderr
     assert (tmp_path / "cell.state").exists()
-    with FindingStore(model, create=False) as store:
-        kept = [each.line for each in store.after(0, 100)]
-    assert kept == (first + rest).splitlines()
+    assert kept(model) == (first + rest).splitlines()
 
 
 def test_killed_and_started_again_tells_nothing_twice(
@@ -148,10 +151,9 @@ def test_killed_and_started_again_tells_nothing_twice(
         started = Started(tmp_path, *arguments)
         assert started.process.stdout is not None
         assert started.process.stdout.readline()
-        wait_for((tmp_path / "cell.state").exists)
+        wait_for(lambda: (tmp_path / "cell.state").exists() and bool(kept(model)))
         started.end(signal.SIGKILL)
-    with FindingStore(model, create=False) as store:
-        lines = [json.loads(each.line) for each in store.after(0, 1000)]
+    lines = [json.loads(line) for line in kept(model)]
     told = [(line["id"], line["state"]) for line in lines]
     assert told
     assert len(told) == len(set(told))

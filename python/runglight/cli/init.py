@@ -65,7 +65,8 @@ def init(
         console.print(Text(f"{symbols}: fill in group, device and signal"), soft_wrap=True)
     if silent:
         terminal.note(
-            f"{counted(len(silent), 'signal')} did not answer; runglight check -c {config} says which"
+            f"{counted(len(silent), 'signal')} did not answer; "
+            f"runglight check -c {config} says which"
         )
     return DONE
 

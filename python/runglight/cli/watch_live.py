@@ -22,9 +22,11 @@ from runglight.live.checkpoint import Checkpoint
 from runglight.live.keeper import Keeper
 from runglight.live.session import Session
 from runglight.live.signal_names import model_names
+from runglight.log.symbols import names_by_address, read_symbols
 from runglight.quantities import duration_s
 from runglight.recording.recorder import Recorder
 from runglight.taps import open_tap
+from runglight.taps.named import NamedTap
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -34,6 +36,7 @@ if TYPE_CHECKING:
     from runglight.live.metrics import Metrics
     from runglight.live.status import Status
     from runglight.model import NominalModel
+    from runglight.taps.base import Tap
 
 PRINTED_LATE_AT_MOST = 10_000
 """Prints that wait for a terminal or pipe that takes none; the oldest are left out, and counted."""
@@ -52,7 +55,7 @@ def watch_live(
         )
         ending = _Ending(watch.fail_on)
         try:
-            asyncio.run(_watched(directory, model, source, configuration, printing, ending))  # noqa: E501
+            asyncio.run(_watched(directory, model, source, configuration, printing, ending))
         finally:
             printing.close()
     if printing.error is not None:
@@ -76,7 +79,9 @@ async def _watched(  # noqa: PLR0917
     if afresh is not None:
         printing.say(afresh)
     metrics = _metrics(configuration)
-    async with open_tap(source, interval=configuration.source.interval) as tap:
+    async with _named(
+        open_tap(source, interval=configuration.source.interval), configuration
+    ) as tap:
         name_of = model_names(model, configuration.symbols)
         session = Session(
             tap,
@@ -85,7 +90,7 @@ async def _watched(  # noqa: PLR0917
             tell=ending.heard(printing.tell),
             say=printing.say,
             show=printing.show,
-            recording=None if watch.record is None else Recorder.of(tap, Path(watch.record)),
+            recording=_recorder(tap, configuration),
             checkpoint=checkpoint,
             checkpoint_every_s=watch.checkpoint_every_s,
             metrics=metrics,
@@ -95,6 +100,22 @@ async def _watched(  # noqa: PLR0917
         printing.failed = session.stop
         with _answering(metrics, configuration):
             await session.run(_receivers(configuration, session), duration_s=duration)
+
+
+def _named(tap: Tap, configuration: Configuration) -> Tap:
+    symbols = configuration.symbols
+    if symbols.table is None:
+        return tap
+    # So that a recording has the names too.
+    return NamedTap(tap, names_by_address(read_symbols(Path(symbols.table)), symbols.naming))
+
+
+def _recorder(tap: Tap, configuration: Configuration) -> Recorder | None:
+    directory = configuration.watch.record
+    if directory is None:
+        return None
+    reserve_bytes = round(configuration.record.reserve_mb * 1e6)
+    return Recorder(Path(directory), tap, reserve_bytes=reserve_bytes)
 
 
 class _Printing:

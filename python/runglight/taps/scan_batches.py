@@ -7,7 +7,6 @@ import numpy.typing as npt
 
 from runglight.taps.base import QUIET_NS, Batch, ClockStep, Gap, Mark
 
-
 SCANS_AFTER_A_CHANGE = 2
 """Scans that leave at once after one that saw a change: whoever watches judges a scan when its end
 is known, and one scan may come a little early."""
