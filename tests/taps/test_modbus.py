@@ -12,7 +12,11 @@ import pytest
 from runglight.errors import InputError
 from runglight.taps import modbus_connection, open_tap
 from runglight.taps.base import Batch, ConnectionState, Gap, Tap
-from runglight.taps.modbus_connection import ModbusConnection, ModbusEndpoint
+from runglight.taps.modbus_connection import (
+    ILLEGAL_VALUE,
+    ModbusConnection,
+    ModbusEndpoint,
+)
 from runglight.taps.modbus_frame import FUNCTION, Request, data_of
 from runglight.taps.modbus_names import Area
 from tests.taps.benches.modbus import (
@@ -133,8 +137,12 @@ def test_a_smaller_limit_of_the_device_is_learned(code: int) -> None:
     async def test() -> None:
         def small(frame: bytes) -> bytes:
             count = int.from_bytes(frame[10:12], "big")
-            return refusal(frame, code) if count > 40 else right(frame, fill=1)
+            if count <= 40:
+                return right(frame, fill=1)
+            refused.append(count)
+            return refusal(frame, code)
 
+        refused: list[int] = []
         frames, answer = recording(small)
         async with ScriptedServer(answer, modbus_frame_bytes) as server:
             url = f"modbus://127.0.0.1:{server.port}?holding=0-299&interval=0"
@@ -144,6 +152,9 @@ def test_a_smaller_limit_of_the_device_is_learned(code: int) -> None:
                 assert first.value.tolist() == [257] * 300
                 asked = len(frames)
                 await anext(batches)
+                if code == ILLEGAL_VALUE:
+                    # Of 125 and 63 registers; whatever follows is asked for in 32.
+                    assert len(refused) <= 3
                 counts = {count for _, _, count in requests_of(frames[asked:])}
                 assert max(counts) <= 40
                 assert tap.connection.reconnects == 0
