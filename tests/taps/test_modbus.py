@@ -262,11 +262,14 @@ class Sometimes:
 
 
 async def watched(
-    server: ScriptedServer, spoil: Callable[[], None], until: Callable[[list[Batch]], bool]
+    server: ScriptedServer,
+    spoil: Callable[[], None],
+    until: Callable[[list[Batch]], bool],
+    timeout: str = "10s",
 ) -> tuple[Tap, list[Batch]]:
     """The batches after the first, from `spoil` on."""
     seen: list[Batch] = []
-    async with open_tap(f"modbus://127.0.0.1:{server.port}?coils=0-9&timeout=300ms") as tap:
+    async with open_tap(f"modbus://127.0.0.1:{server.port}?coils=0-9&timeout={timeout}") as tap:
         batches = aiter(tap)
         assert (await anext(batches)).image
         spoil()
@@ -350,7 +353,7 @@ def test_a_device_that_falls_silent_is_asked_over_a_new_connection() -> None:
             silent = True
 
         async with ScriptedServer(answer, modbus_frame_bytes) as server:
-            _, seen = await watched(server, spoil, lambda seen: bool(seen[-1].marks))
+            _, seen = await watched(server, spoil, lambda seen: bool(seen[-1].marks), "300ms")
             (gap,) = seen[-1].marks
             assert isinstance(gap, Gap)
             assert "no reply in 0.3 s" in gap.reason

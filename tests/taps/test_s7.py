@@ -216,7 +216,7 @@ async def spoiled(wrong: Wrong, times: int) -> tuple[list[Batch], int]:
 
     seen: list[Batch] = []
     async with ScriptedServer(ScriptedS7(on_read), s7_frame_bytes) as server:
-        async with open_tap(f"s7://127.0.0.1:{server.port}?pe=0-1") as tap:
+        async with open_tap(f"s7://127.0.0.1:{server.port}?pe=0-1&timeout=10s") as tap:
             batches = aiter(tap)
             assert (await anext(batches)).image
             left = times
