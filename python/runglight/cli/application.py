@@ -52,6 +52,8 @@ def application(*, overview: bool = False) -> App:
         # No `--no-…` or `--empty-…` twins: one way to say one thing.
         default_parameter=Parameter(negative="", show_default=False),
         result_action="return_value",
+        # `main` says that a command was interrupted.
+        suppress_keyboard_interrupt=False,
     )
     for position, (command, (home, sentence)) in enumerate(COMMANDS.items()):
         app.command(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
@@ -22,7 +22,7 @@ from runglight.log.changelog import Log
 from runglight.nearest import suggestion
 
 if TYPE_CHECKING:
-    from runglight.plants import PlantDescription, PlantRun
+    from runglight.plants import FaultLabel, PlantDescription, PlantRun
 
 
 Part = Literal["all", "learn", "watch"]
@@ -41,9 +41,12 @@ def simulate(
     size: str | None = None,
     part: Part | None = None,
     events: int | None = None,
+    serve: str | None = None,
+    after: tuple[str, ...] = (),
+    for_: Annotated[str | None, Parameter(name="--for")] = None,
     list_plants: Annotated[bool, Parameter(name="--list")] = False,
 ) -> int:
-    """Run a simulated plant and write what a logger at its PLC would have seen.
+    """Run a simulated plant: write what a logger at its PLC would have seen, or serve it live.
 
     Parameters
     ----------
@@ -67,6 +70,14 @@ def simulate(
         bodyshop: what to learn from, what to watch after it, or both in one log.
     events: int
         bodyshop: events of both parts together (default: as many as the paper has).
+    serve: str
+        Be the plant's PLC, in real time, until interrupted: `modbus://127.0.0.1:5020` or
+        `s7://127.0.0.1:1102`; port 0 takes a free one. Nobody can write to it.
+    after: tuple[str, ...]
+        With `--serve`: when the fault may begin, counted from the start: `60s`, `5m`; one for
+        all faults, or one for each.
+    for_: str
+        With `--serve`: end by itself after this time.
     list_plants: bool
         Name the plants and their faults.
 
@@ -77,8 +88,20 @@ def simulate(
     if plant is None:
         raise InputError("which plant? runglight simulate --list names them")
     description = _plant(plant)
+    if serve is not None:
+        from runglight.cli.simulate_serve import ServeOptions, simulate_serve  # noqa: PLC0415
+
+        finite = {"log": log, "cycles": cycles, "size": size, "part": part, "events": events}
+        _refuse_beside_serve(finite)
+        options = ServeOptions(serve, seed, fault, after, for_, symbols, labels)
+        return simulate_serve(description, options)
+    if after or for_ is not None:
+        raise InputError(f"{'--after' if after else '--for'} goes with --serve only; leave it out")
     if log is None and labels is None and symbols is None:
-        raise InputError(f"where to? runglight simulate {plant} --log FILE.csv")
+        raise InputError(
+            f"where to? runglight simulate {plant} --log FILE.csv, or --serve "
+            "modbus://127.0.0.1:5020"
+        )
     own: dict[str, object] = {"cycles": cycles, "fault": fault or None}
     of_sized: dict[str, object] = {"size": size, "part": part, "events": events}
     _refuse(description, own if description.sizes else of_sized)
@@ -92,7 +115,7 @@ def simulate(
         console.print(Text(f"{log}: {counted(rows, 'row')} of {plant}"), soft_wrap=True)
     if labels is not None:
         with output(labels) as stream:
-            stream.write(labels_json(run))
+            stream.write(labels_json(run.labels))
         console.print(Text(f"{labels}: {counted(len(run.labels), 'fault')}"), soft_wrap=True)
     if symbols is not None:
         with output(symbols) as stream:
@@ -130,14 +153,24 @@ def _refuse(plant: PlantDescription, options: Mapping[str, object]) -> None:
             raise InputError(f"simulate {plant.name}: this plant has no --{name}; leave it out")
 
 
+def _refuse_beside_serve(options: Mapping[str, object]) -> None:
+    """InputError for an option that needs a run with an end."""
+    for name, value in options.items():
+        if value is not None:
+            raise InputError(
+                f"--{name} beside --serve: a served plant works without an end and writes no log; "
+                f"leave out --{name}, or record what is served"
+            )
+
+
 def log_of(run: PlantRun) -> Log:
     """The change log of a run."""
     return Log.from_columns(run.time_ns, run.signal_index, run.value, run.signals)
 
 
-def labels_json(run: PlantRun) -> str:
+def labels_json(labels: Sequence[FaultLabel]) -> str:
     """What was broken, one JSON object each."""
-    text = msgspec.json.format(msgspec.json.encode(run.labels), indent=2)
+    text = msgspec.json.format(msgspec.json.encode(labels), indent=2)
     return text.decode() + "\n"
 
 

@@ -7,11 +7,14 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, TextIO
 
 from rich.console import Console
+from rich.text import Text
 
 from runglight import environment
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
+
+    from rich.status import Status
 
 WIDTH_WITHOUT_TERMINAL = 140
 
@@ -53,6 +56,37 @@ def progressing(doing: str, total: int) -> Iterator[Callable[[int], None]]:
     with Progress(console=Console(file=sys.stderr), transient=True) as progress:
         task = progress.add_task(doing, total=total)
         yield lambda done: progress.advance(task, done)
+
+
+class Report:
+    """A line at the foot of the terminal, written anew and anew; nothing where no terminal is."""
+
+    def __init__(self, status: Status | None) -> None:
+        self._status = status
+
+    def show(self, line: str) -> None:
+        """From now on the line reads so."""
+        if self._status is not None:
+            self._status.update(Text(line))
+
+    @contextmanager
+    def paused(self) -> Iterator[None]:
+        """Takes the line away while something is printed."""
+        if self._status is not None:
+            self._status.stop()
+        yield
+        if self._status is not None:
+            self._status.start()
+
+
+@contextmanager
+def reporting() -> Iterator[Report]:
+    """A line that says how a long job stands."""
+    if not _watched():
+        yield Report(None)
+        return
+    with Console(file=sys.stderr).status("") as status:
+        yield Report(status)
 
 
 def _watched() -> bool:

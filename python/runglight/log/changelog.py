@@ -141,6 +141,8 @@ class Log:
 def read_log(path: str | PathLike[str] | None = None, **options: Any) -> Log:
     """Reads CSV, Parquet, XES, VCD, or, without a path, the table that `sql` and `table` name.
 
+    A directory that `runglight import --sql … --to DIR` filled is read too.
+
     `options` are the fields of `runglight.ReadOptions`.
     """
     checked = convert(options, ReadOptions, "read_log")
@@ -153,6 +155,11 @@ def read_log_with(path: str | PathLike[str] | None, options: ReadOptions) -> Log
     """Reads a log with options that are already checked; None stands for the table they name."""
     if path is None:
         return _read_table(options)
+    if Path(path).is_dir():
+        from runglight.log.imported import is_imported, read_imported  # noqa: PLC0415
+
+        if is_imported(Path(path)):
+            return read_imported(Path(path))
     text = os.fspath(path)
     return Log(_engine.read_log(text, options.to_json()), text)
 

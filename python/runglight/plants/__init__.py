@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from runglight.plants import bodyshop, cell
 from runglight.plants.faults import FaultDescription, FaultKind, FaultLabel, find_fault
 from runglight.plants.run import PlantRun
+from runglight.plants.running import Image, RunningPlant
 from runglight.plants.symbols import Symbol, symbols_csv, write_symbols
 
 __all__ = [
@@ -13,8 +14,10 @@ __all__ = [
     "FaultDescription",
     "FaultKind",
     "FaultLabel",
+    "Image",
     "PlantDescription",
     "PlantRun",
+    "RunningPlant",
     "Symbol",
     "find_fault",
     "symbols_csv",
@@ -29,6 +32,9 @@ class PlantDescription:
     `simulate` takes at least `cycles`, `seed`, `fault`, `fault_cycle` and `start_ns`, all optional.
     A plant that comes in `sizes` has no faults, and its symbols are its run's; its `simulate`
     takes `size`, `seed`, `events` and `part`.
+
+    `run(start_ns, seed)` gives the plant at work, to be advanced from outside; None for a plant
+    that exists as a log only.
     """
 
     name: str
@@ -37,6 +43,7 @@ class PlantDescription:
     faults: Mapping[int, FaultDescription]
     simulate: Callable[..., PlantRun]
     sizes: tuple[str, ...] = ()
+    run: Callable[[int, int], RunningPlant] | None = None
 
 
 PLANTS: dict[str, PlantDescription] = {
@@ -49,6 +56,7 @@ PLANTS: dict[str, PlantDescription] = {
         symbols=cell.SYMBOLS,
         faults=cell.FAULTS,
         simulate=cell.simulate_cell,
+        run=cell.RunningCell,
     ),
     "bodyshop": PlantDescription(
         name="bodyshop",

@@ -1,40 +1,66 @@
-"""The data logger: watches a PLC's two images and writes a row whenever a signal changes."""
+"""The data logger: watches a PLC's images and writes a row whenever a signal changes."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import numpy as np
 
 from runglight.plants.run import Columns
 
+WriteRow = Callable[[int, int, int], None]
+"""Takes a row: time in nanoseconds, the signal's number, its new value."""
 
-class ChangeLogger:
-    """Writes changes, inputs before outputs within one scan (the order a tap sees them in).
+
+class ChangeDetector:
+    """Finds changes, inputs before outputs within one scan (the order a tap sees them in).
 
     The first sample is the image at the start: only the signals that are ON are written, as the
     logger of Ghosh 2016 does (section 2.3.1: no BACKWARD_OFF in the first device cycle).
     """
 
-    def __init__(self, input_numbers: Sequence[int], output_numbers: Sequence[int]) -> None:
-        self._numbers = (*input_numbers, *output_numbers)
-        self._image: tuple[bool, ...] = (False,) * len(self._numbers)
-        self._time_ns: list[int] = []
-        self._signal: list[int] = []
-        self._value: list[int] = []
+    def __init__(
+        self,
+        input_numbers: Sequence[int],
+        output_numbers: Sequence[int],
+        write: WriteRow,
+        memory_numbers: Sequence[int] = (),
+    ) -> None:
+        self._numbers = (*input_numbers, *output_numbers, *memory_numbers)
+        self._image: tuple[int, ...] = (False,) * len(self._numbers)
+        self._write = write
 
-    def sample(self, time_ns: int, inputs: tuple[bool, ...], outputs: tuple[bool, ...]) -> None:
+    def sample(
+        self,
+        time_ns: int,
+        inputs: tuple[int, ...],
+        outputs: tuple[int, ...],
+        memory: tuple[int, ...] = (),
+    ) -> None:
         """Looks at the images once and writes what differs from the last look."""
-        image = inputs + outputs
+        image = inputs + outputs + memory
         if image == self._image:
             return
         for number, old, new in zip(self._numbers, self._image, image, strict=True):
             if old != new:
-                self._write(time_ns, number, new)
+                self._write(time_ns, number, int(new))
         self._image = image
+
+    def last_value(self, number: int) -> int:
+        """What the signal was when last looked at."""
+        return int(self._image[self._numbers.index(number)])
+
+
+class ChangeLogger(ChangeDetector):
+    """Keeps every row."""
+
+    def __init__(self, input_numbers: Sequence[int], output_numbers: Sequence[int]) -> None:
+        super().__init__(input_numbers, output_numbers, self._keep)
+        self._time_ns: list[int] = []
+        self._signal: list[int] = []
+        self._value: list[int] = []
 
     def close(self, time_ns: int) -> None:
         """Repeats the first signal's value: a silent line still shows that time went on."""
-        first = self._numbers.index(0)
-        self._write(time_ns, 0, self._image[first])
+        self._keep(time_ns, 0, self.last_value(0))
 
     @property
     def last_change_ns(self) -> int | None:
@@ -49,7 +75,7 @@ class ChangeLogger:
             np.array(self._value, dtype=np.int64),
         )
 
-    def _write(self, time_ns: int, number: int, value: bool) -> None:
+    def _keep(self, time_ns: int, number: int, value: int) -> None:
         self._time_ns.append(time_ns)
         self._signal.append(number)
-        self._value.append(int(value))
+        self._value.append(value)

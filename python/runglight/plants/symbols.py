@@ -8,7 +8,7 @@ from typing import Literal
 
 COLUMNS = ("address", "group", "device", "signal", "class", "type", "description")
 
-SignalClass = Literal["input", "output"]
+SignalClass = Literal["input", "output", "memory"]
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,6 +3,7 @@
 from runglight.plants.cell.controller import CellController
 from runglight.plants.cell.faults import FAULTS
 from runglight.plants.cell.plant import CellPlant
+from runglight.plants.cell.running import RunningCell
 from runglight.plants.cell.simulate import simulate_cell
 from runglight.plants.cell.symbols import INPUTS, OUTPUTS, SYMBOLS
 
@@ -13,5 +14,6 @@ __all__ = [
     "SYMBOLS",
     "CellController",
     "CellPlant",
+    "RunningCell",
     "simulate_cell",
 ]

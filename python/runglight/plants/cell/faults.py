@@ -1,12 +1,7 @@
-"""The twelve faults of Ghosh 2016, Table 4, and what sets them off.
+"""The twelve faults of Ghosh 2016, Table 4."""
 
-A fault acts on a sensor or an actuator, never on the log: the log is what then happens.
-"""
+from dataclasses import replace
 
-from dataclasses import dataclass
-
-from runglight.plants.agenda import nanoseconds
-from runglight.plants.cell.plant import CellPlant, Moment
 from runglight.plants.cell.symbols import GROUP
 from runglight.plants.faults import FaultDescription, FaultKind, Transition
 
@@ -171,97 +166,12 @@ FAULTS: dict[int, FaultDescription] = {
     )
 }
 
-
-@dataclass(frozen=True, slots=True)
-class Trigger:
-    """When a fault begins, how long it lasts (None: for good), and how bad it is."""
-
-    moment: Moment
-    delay_s: float = 0.0
-    lasts_s: float | None = None
-    sensor_value: bool = True
-    extra_response_s: float = 0.0
-    slow_factor: float = 1.0
-
-
-# A slow actuator recovers after its one motion; 6 needs no trigger, it is a pattern of parts.
-TRIGGERS: dict[int, Trigger] = {
-    1: Trigger(Moment.LOADER_RETURNING, delay_s=1.0, lasts_s=0.8),
-    2: Trigger(Moment.ROBOT_1_PICKING, delay_s=1.0),
-    3: Trigger(Moment.DAECHA_ADVANCING, delay_s=1.0, lasts_s=10.0, extra_response_s=2.09),
-    4: Trigger(Moment.ROBOT_1_MOVING, delay_s=5.0, lasts_s=0.8, sensor_value=False),
-    5: Trigger(Moment.PART_SET),
-    7: Trigger(Moment.POWER_ON, delay_s=12.0, lasts_s=2.0, sensor_value=False),
-    # between the report of the placed part and the program's answer, 0.1 s later
-    8: Trigger(Moment.ROBOT_1_PLACED, delay_s=0.03, lasts_s=0.5),
-    9: Trigger(Moment.ROBOT_1_PLACED, lasts_s=10.0, extra_response_s=2.54),
-    10: Trigger(Moment.LOADER_ADVANCING, delay_s=1.0),
-    11: Trigger(Moment.DAECHA_RETURNING, delay_s=1.0),
-    12: Trigger(Moment.ROBOT_1_PICKING, delay_s=1.0, lasts_s=10.0, slow_factor=1.55),
+FAULTS_AT_WORK: dict[int, FaultDescription] = FAULTS | {
+    7: replace(
+        FAULTS[7],
+        sentence=FAULTS[7].sentence.replace("the first part", "the next part"),
+        faulty=_transition("PrtLDR-BACKWARD_OFF > PrtLDR-RET_OFF"),
+        expected=(_transition("PrtLDR-BACKWARD_OFF > PrtLDR-PRT_CHK_ON"),),
+    )
 }
-
-DEFAULT_FAULT_CYCLE = 4
-
-PATTERN_LENGTH = 30
-SHORT_PARTS_IN_PATTERN = 7
-
-
-def mostly_60_s_pattern() -> tuple[float, ...]:
-    """Fault 6: thirty intervals in seconds, seven of 30 s spread evenly, the first among them.
-
-    The first part follows no BACKWARD_OFF, so 6 of the 29 transitions are short (0.207), as in
-    Table 4.
-    """
-    step = PATTERN_LENGTH / SHORT_PARTS_IN_PATTERN
-    short = {round(number * step) for number in range(SHORT_PARTS_IN_PATTERN)}
-    return tuple(30.0 if part in short else 60.0 for part in range(PATTERN_LENGTH))
-
-
-class FaultInjector:
-    """Listens to a plant and breaks one thing in one cycle."""
-
-    def __init__(self, plant: CellPlant, fault: FaultDescription, cycle: int) -> None:
-        self.fault = fault
-        self.began_ns: int | None = None
-        self._plant = plant
-        self._trigger = TRIGGERS[fault.number]
-        self._cycle = cycle
-        self._heard = False
-        self._name = f"{fault.device}-{fault.signal}"
-        plant.listeners.append(self._hear)
-
-    def _hear(self, moment: Moment, cycle: int) -> None:
-        if self._heard or moment is not self._trigger.moment or cycle != self._cycle:
-            return
-        self._heard = True
-        if self._trigger.delay_s:
-            self._plant.agenda.after(nanoseconds(self._trigger.delay_s), self._begin)
-        else:
-            self._begin()
-
-    def _begin(self) -> None:
-        trigger, plant = self._trigger, self._plant
-        self.began_ns = plant.agenda.now_ns
-        match self.fault.kind:
-            case FaultKind.SENSOR_STUCK_ON:
-                plant.sensors.force(self._name, True)
-            case FaultKind.SENSOR_DEAD:
-                plant.sensors.freeze(self._name)
-            case FaultKind.SENSOR_GLITCH:
-                plant.sensors.force(self._name, trigger.sensor_value)
-            case FaultKind.ACTUATOR_DEAD:
-                plant.health[self._name].dead = True
-                plant.follow_outputs()
-            case FaultKind.ACTUATOR_SLOW:
-                health = plant.health[self._name]
-                health.extra_response_ns = nanoseconds(trigger.extra_response_s)
-                health.slow_factor = trigger.slow_factor
-        if trigger.lasts_s is not None:
-            plant.agenda.after(nanoseconds(trigger.lasts_s), self._end)
-
-    def _end(self) -> None:
-        if self.fault.kind is FaultKind.ACTUATOR_SLOW:
-            health = self._plant.health[self._name]
-            health.extra_response_ns, health.slow_factor = 0, 1.0
-        else:
-            self._plant.sensors.release(self._name)
+"""The same faults in a cell that already works: there, the loader's way home is behind it."""

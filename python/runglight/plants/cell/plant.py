@@ -9,6 +9,7 @@ from functools import partial
 from random import Random
 
 from runglight.plants.agenda import Agenda, nanoseconds
+from runglight.plants.cell.feeding import PartFeed
 from runglight.plants.cell.symbols import INPUTS, OUTPUTS
 from runglight.plants.field_wiring import ActuatorHealth, SensorCard
 from runglight.plants.machinery import Axis, Drive, Robot, Task
@@ -23,6 +24,7 @@ class Moment(Enum):
     POWER_ON = auto()
     PART_SET = auto()
     LOADER_ADVANCING = auto()
+    LOADER_HOME = auto()
     LOADER_RETURNING = auto()
     ROBOT_1_PICKING = auto()
     ROBOT_1_MOVING = auto()
@@ -37,19 +39,19 @@ Listener = Callable[[Moment, int], None]
 class CellPlant:
     """The machine at work: `advance` it in time, `read_inputs`, `write_outputs`.
 
-    `part_intervals_s[i]` is how long after the loader stands home and empty part `i` is set on it.
-    Listeners hear every moment, with the number of its cycle (from 1; a cycle begins with its
-    part, the first with the start).
+    `feed` says how long after the loader stands home and empty each part is set on it. Listeners
+    hear every moment, with the number of its cycle (from 1; a cycle begins with its part, the
+    first with the start).
     """
 
-    def __init__(self, start_ns: int, seed: int, part_intervals_s: Sequence[float]) -> None:
+    def __init__(self, start_ns: int, seed: int, feed: PartFeed) -> None:
         self.agenda = Agenda(start_ns)
         self.sensors = SensorCard([symbol.short_name for symbol in INPUTS])
         self.health = {symbol.short_name: ActuatorHealth() for symbol in OUTPUTS}
         self.listeners: list[Listener] = []
+        self.feed = feed
         self.parts_set = 0
         self.parts_removed = 0
-        self._part_intervals_s = tuple(part_intervals_s)
         self._outputs = dict.fromkeys(self.health, False)
         self._seed = seed
         self._feeding = self._random("feeder")
@@ -114,7 +116,7 @@ class CellPlant:
     @property
     def finished(self) -> bool:
         """Whether every part has come and gone."""
-        return self.parts_removed == len(self._part_intervals_s)
+        return self.parts_removed == self.feed.parts
 
     # building
 
@@ -226,16 +228,16 @@ class CellPlant:
     # what happens
 
     def _tell(self, moment: Moment) -> None:
-        for listener in self.listeners:
+        for listener in tuple(self.listeners):  # one that has heard enough leaves
             listener(moment, max(self.parts_set, 1))
 
     def _report(self, device: str, value: bool, signal: str) -> None:
         self.sensors.set(f"{device}-{signal}", value)
 
     def _await_part(self) -> None:
-        if self._part_on_loader or self.parts_set == len(self._part_intervals_s):
+        interval_s = None if self._part_on_loader else self.feed.interval_s(self.parts_set)
+        if interval_s is None:
             return
-        interval_s = self._part_intervals_s[self.parts_set]
         jitter_s = self._feeding.uniform(-PART_JITTER_S, PART_JITTER_S)
         self.agenda.after(nanoseconds(interval_s + jitter_s), self._set_part)
 
@@ -251,6 +253,7 @@ class CellPlant:
         self._loader_home = home
         self.sensors.set("PrtLDR-RET", home)
         if home:
+            self._tell(Moment.LOADER_HOME)
             self._await_part()
         else:
             self._tell(Moment.LOADER_ADVANCING)

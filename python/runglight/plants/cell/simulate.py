@@ -1,32 +1,27 @@
 """One run of the cell from start to end: plant, program, logger and faults put together."""
 
 from collections.abc import Sequence
-from itertools import cycle as repeat
-from itertools import islice
 
 from runglight.plants.agenda import NS_PER_S, nanoseconds
 from runglight.plants.cell.controller import CellController
-from runglight.plants.cell.faults import (
-    DEFAULT_FAULT_CYCLE,
-    FAULTS,
-    PATTERN_LENGTH,
-    FaultInjector,
-    mostly_60_s_pattern,
-)
+from runglight.plants.cell.faults import FAULTS
+from runglight.plants.cell.feeding import PART_INTERVALS_S, PATTERN_LENGTH, PartFeed
+from runglight.plants.cell.injector import TRIGGERS, FaultInjector
+from runglight.plants.cell.labels import Showing, label_of
 from runglight.plants.cell.plant import CellPlant
 from runglight.plants.cell.symbols import INPUTS, OUTPUTS, SYMBOLS
-from runglight.plants.faults import FaultDescription, FaultKind, FaultLabel, find_fault
+from runglight.plants.faults import FaultDescription, FaultLabel, find_fault
 from runglight.plants.logger import ChangeLogger
 from runglight.plants.run import Columns, PlantRun
-from runglight.plants.scan import run_until_still
+from runglight.plants.scan import ScanCycle
 
 START_NS = 1_767_592_800 * NS_PER_S
 """2026-01-05T06:00:00Z, a Monday's early shift."""
 
 DEFAULT_CYCLES = 20
-PART_INTERVALS_S = (30.0, 60.0)
+DEFAULT_FAULT_CYCLE = 4
 PART_PATTERN_FAULT = 6
-FIRST_CYCLE_FAULT = 7
+FIRST_CYCLE_FAULTS = (PART_PATTERN_FAULT, 7)
 NEXT_CYCLE_FAULT = 11
 """Begins at the end of its cycle and stops the next one."""
 
@@ -66,41 +61,40 @@ def simulate_cell(
     if patterned and part_intervals_s is not None:
         raise ValueError("fault 6 is a pattern of part intervals: give one or the other")
     if part_intervals_s is None:
-        part_intervals_s = mostly_60_s_pattern() if patterned else PART_INTERVALS_S
+        part_intervals_s = PART_INTERVALS_S
     if not part_intervals_s:
         raise ValueError("the pattern of part intervals is empty; give at least one, in seconds")
-    plant = CellPlant(start_ns, seed, tuple(islice(repeat(part_intervals_s), cycles)))
+    plant = CellPlant(start_ns, seed, PartFeed(part_intervals_s, cycles))
     injectors = [
-        FaultInjector(plant, each, _cycle_of(each, fault_cycle, cycles))
+        FaultInjector(
+            plant, each, TRIGGERS[each.number], cycle=_cycle_of(each, fault_cycle, cycles)
+        )
         for each in faults
-        if each.number != PART_PATTERN_FAULT
     ]
     number_of = {symbol: number for number, symbol in enumerate(SYMBOLS)}
     logger = ChangeLogger(
         [number_of[symbol] for symbol in INPUTS], [number_of[symbol] for symbol in OUTPUTS]
     )
     plant.power_on()
-    run_until_still(
+    ScanCycle(
         plant,
         CellController(),
         logger,
         start_ns=start_ns,
         outputs=(False,) * len(OUTPUTS),
         skip_idle_scans=skip_idle_scans,
-    )
+    ).run_until_still()
     last_change_ns = start_ns if logger.last_change_ns is None else logger.last_change_ns
     end_ns = last_change_ns + nanoseconds(TAIL_S if plant.finished else STOPPED_TAIL_S)
     logger.close(end_ns)
     columns = logger.columns()
-    began_ns = {each.fault.number: each.began_ns for each in injectors}
-    began_ns[PART_PATTERN_FAULT] = start_ns
     return PlantRun(
         *columns,
         signals=tuple(symbol.name for symbol in SYMBOLS),
         labels=tuple(
-            _label(each, time_ns, columns)
-            for each in faults
-            if (time_ns := began_ns[each.number]) is not None
+            _label(each.fault, each.began_ns, columns)
+            for each in injectors
+            if each.began_ns is not None
         ),
         end_ns=end_ns,
     )
@@ -115,7 +109,7 @@ def _chosen(fault: FaultChoice | Sequence[FaultChoice] | None) -> tuple[FaultDes
 
 
 def _cycle_of(fault: FaultDescription, fault_cycle: int | None, cycles: int) -> int:
-    if fault.number == FIRST_CYCLE_FAULT:
+    if fault.number in FIRST_CYCLE_FAULTS:
         return 1
     last = cycles - 1 if fault.number == NEXT_CYCLE_FAULT else cycles
     if last < 1:
@@ -130,42 +124,11 @@ def _cycle_of(fault: FaultDescription, fault_cycle: int | None, cycles: int) -> 
     return fault_cycle
 
 
-def _label(fault: FaultDescription, time_ns: int, log: Columns) -> FaultLabel:
-    shown_ns, observed_s = _shown(fault, time_ns, log)
-    return FaultLabel(
-        number=fault.number,
-        name=fault.name,
-        time_ns=time_ns,
-        group=fault.group,
-        device=fault.device,
-        signal=fault.signal,
-        kind=fault.kind,
-        description=fault.sentence,
-        faulty=fault.faulty,
-        expected=fault.expected,
-        expected_s=fault.expected_s,
-        last_state=fault.last_state,
-        shown_ns=shown_ns,
-        observed_s=observed_s,
-    )
-
-
-def _shown(
-    fault: FaultDescription, time_ns: int, log: Columns
-) -> tuple[int, float] | tuple[None, None]:
-    """Where the log first shows the fault, and the seconds its transition or silence took."""
-    if fault.kind is FaultKind.PART_PATTERN:
-        return None, None
-    if fault.faulty is None:
+def _label(fault: FaultDescription, began_ns: int, log: Columns) -> FaultLabel:
+    if fault.last_state is not None:
         last_ns, end_ns = int(log.time_ns[-2]), int(log.time_ns[-1])
-        return last_ns, (end_ns - last_ns) / NS_PER_S
-    before: tuple[str, int] | None = None
-    for row_ns, number, value in zip(*(column.tolist() for column in log), strict=True):
-        symbol = SYMBOLS[number]
-        if symbol.device != fault.device:
-            continue
-        state = f"{symbol.name}_{'ON' if value else 'OFF'}"
-        if before is not None and row_ns >= time_ns and (before[0], state) == fault.faulty:
-            return row_ns, (row_ns - before[1]) / NS_PER_S
-        before = state, row_ns
-    return None, None
+        return label_of(fault, began_ns, last_ns, (end_ns - last_ns) / NS_PER_S)
+    showing = Showing(fault)
+    for time_ns, number, value in zip(*(column.tolist() for column in log), strict=True):
+        showing.row(time_ns, number, value, began_ns)
+    return label_of(fault, began_ns, showing.shown_ns, showing.observed_s)
