@@ -192,7 +192,8 @@ def main() -> None:
     p50, p99 = np.percentile(latencies, (50, 99))
     print(
         f"change in the PLC to finding printed, Modbus at 10 ms: p50 {p50:.1f} ms, "
-        f"p99 {p99:.1f} ms, longest {max(latencies):.1f} ms, {len(latencies)} findings (aim: p99 {AIM_P99_MS:g} ms)"
+        f"p99 {p99:.1f} ms, longest {max(latencies):.1f} ms, {len(latencies)} findings "
+        f"(aim: p99 {AIM_P99_MS:g} ms)"
     )
 
 
