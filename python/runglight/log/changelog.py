@@ -151,6 +151,8 @@ def read_log(path: str | PathLike[str] | None = None, **options: Any) -> Log:
 
     Without a path, the table that `sql` and `table` name.
 
+    A directory that `runglight import --sql … --to DIR` filled is read too.
+
     `options` are the fields of `runglight.ReadOptions`.
     """
     checked = convert(options, ReadOptions, "read_log")
@@ -163,6 +165,11 @@ def read_log_with(path: str | PathLike[str] | None, options: ReadOptions) -> Log
     """Reads a log or a recording with checked options; None stands for the table they name."""
     if path is None:
         return _read_table(options)
+    if Path(path).is_dir():
+        from runglight.log.imported import is_imported, read_imported  # noqa: PLC0415
+
+        if is_imported(Path(path)):
+            return read_imported(Path(path))
     text = os.fspath(path)
     if is_recording(Path(text)):
         # Loaded when there is one: a recording needs SQLite and NumPy.

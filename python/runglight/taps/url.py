@@ -43,20 +43,21 @@ def parse_source(source: str) -> SourceUrl:
         file, _, query = rest.partition("?")
         return SourceUrl(source, scheme, "", 0, file, _options(source, scheme, query))
     try:
-        parts = urlsplit(source)
+        # A topic filter ends in `#`, and options may follow it: it begins no fragment here.
+        parts = urlsplit(source.replace("#", "%23"))
         port = parts.port or description.port
     except ValueError as error:
         raise InputError(f"{source}: {error}; write {description.example}") from None
     if not parts.hostname:
         raise InputError(f"{source}: names no host; write {description.example}")
     hidden = parts._replace(netloc=parts.netloc.rpartition("@")[2]).geturl()
+    hidden = hidden.replace("%23", "#")
     return SourceUrl(
         text=hidden,
         scheme=scheme,
         host=parts.hostname,
         port=port,
-        path=unquote(parts.path.removeprefix("/"))
-        + (f"#{parts.fragment}" if parts.fragment else ""),
+        path=unquote(parts.path.removeprefix("/")),
         options=_options(hidden, scheme, parts.query),
         username=None if parts.username is None else unquote(parts.username),
         password=None if parts.password is None else unquote(parts.password),

@@ -2,6 +2,7 @@
 
 import socket
 from abc import ABC, abstractmethod
+from typing import Self
 
 LOOPBACK = "127.0.0.1"
 
@@ -30,6 +31,13 @@ class Bench(ABC):
     def unreachable_url(self) -> str | None:
         """The same at a port where nobody listens; None where there is no such thing."""
         return None
+
+    async def __aenter__(self) -> Self:
+        await self.start()
+        return self
+
+    async def __aexit__(self, *_: object) -> None:
+        await self.kill()
 
     @abstractmethod
     async def start(self) -> None:

@@ -13,6 +13,7 @@ use super::chains::{ChainIndex, ChainKind, Chains};
 use super::evidence::Evidence;
 use super::parameters::{Parameters, Timing};
 use super::rules::{Rule, RuleTable};
+use super::sisters::Names;
 use super::states::{StateId, States, full_state_name, short_state_name};
 
 /// Facts of the learning logs that are no rules.
@@ -70,14 +71,18 @@ impl NominalModel {
         let chains = Chains::of(&plant);
         let table = RuleTable::build(&mut rules, &chains, states.len());
         let resolution_s = learned.resolution as f64 / SECOND as f64;
-        let evidence = Evidence::of(&rules, &chains, resolution_s);
-        let budget = Budget::of(&parameters, &learned, &rules, &chains);
-        let tail = Tail::new(budget.per_time);
+        let names = Names { plant: &plant, states: &states, chains: &chains };
+        let evidence = Evidence::of(&rules, names, resolution_s);
+        let budget = Budget::of(&parameters, &learned, &rules, &table, names, &evidence);
+        let tail = Tail::new(budget.per_tail);
         let accepted_without = rules
             .iter()
             .enumerate()
             .filter(|(_, rule)| rule.trigger.is_some())
-            .map(|(index, rule)| (index, limits::adaptive(&rule.clusters, tail, resolution_s)))
+            .map(|(index, rule)| {
+                let shapes = evidence.shapes_without_trigger();
+                (index, limits::adaptive(&rule.clusters, tail, shapes, resolution_s))
+            })
             .collect();
         Self {
             plant,
@@ -92,6 +97,11 @@ impl NominalModel {
             tail,
             accepted_without,
         }
+    }
+
+    /// What tells sisters.
+    pub(super) fn names(&self) -> Names<'_> {
+        Names { plant: &self.plant, states: &self.states, chains: &self.chains }
     }
 
     /// Device or group chain of a rule.
@@ -166,7 +176,8 @@ impl NominalModel {
             Timing::Adaptive if self.kind(rule.chain) == ChainKind::Group => Vec::new(),
             Timing::Adaptive => {
                 let resolution_s = self.learned.resolution as f64 / SECOND as f64;
-                limits::adaptive(rule.judged(), self.tail, resolution_s)
+                let shapes = self.evidence.shapes(rule);
+                limits::adaptive(rule.judged(), self.tail, shapes, resolution_s)
             }
         }
     }

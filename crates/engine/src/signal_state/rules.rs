@@ -83,6 +83,11 @@ impl RuleTable {
         }
     }
 
+    /// Indices of the rules of every row.
+    pub fn rows(&self) -> impl Iterator<Item = std::ops::Range<usize>> + Clone + '_ {
+        self.row_start.windows(2).map(|ends| ends[0] as usize..ends[1] as usize)
+    }
+
     /// The rule from a row to a state.
     #[inline]
     pub fn find(&self, row: usize, next: StateId) -> Option<usize> {

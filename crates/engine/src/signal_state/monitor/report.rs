@@ -45,7 +45,8 @@ impl Monitor {
             Timing::Adaptive => broken_limit(&self.accepted(rule, timed), seconds),
         };
         let affordable = model.parameters.timing == Timing::Plat
-            || model.evidence.odd_time(&model.rules[rule], seconds) <= model.budget.per_time;
+            || model.evidence.odd_time(&model.rules[rule], model.names(), seconds)
+                <= model.budget.per_time;
         let mut finding = self.at(found, chain, kind, model.rules[rule].next, time);
         finding.severity = if affordable { Severity::Anomaly } else { Severity::Notice };
         finding.from = Some(self.state_name(model.rules[rule].current));
@@ -73,7 +74,12 @@ impl Monitor {
         let unseen = if model.parameters.timing == Timing::Plat {
             0.0
         } else {
-            model.evidence.unknown_transition(&model.rules, &model.table, chain, kind, from)
+            model.evidence.unknown_transition(
+                &model.rules,
+                &model.table,
+                model.names(),
+                (chain, from),
+            )
         };
         let mut finding = self.at(Kind::Transition, chain, kind, to, time);
         finding.severity =
