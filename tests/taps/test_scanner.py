@@ -106,6 +106,16 @@ def test_a_change_makes_a_batch_at_once_with_the_idle_scans_before_it() -> None:
     assert (back.signal_index.tolist(), back.value.tolist()) == ([0], [0])
 
 
+def test_the_scans_after_a_change_leave_at_once() -> None:
+    run = Run(FakeDevice([b"\0", b"\0", b"\1", b"\1", b"\1", b"\1", b"\0"]), 5)
+    _, _, after, again, change = run.batches
+    # They end the scan before for whoever watches; then quiet is shared again.
+    assert (len(after), len(after.scan_ns)) == (0, 1)
+    assert after.until_ns == START_NS + 3 * INTERVAL_NS
+    assert (len(again), len(again.scan_ns)) == (0, 1)
+    assert (len(change), len(change.scan_ns)) == (1, 2)
+
+
 def test_bits_beyond_the_signals_are_no_change() -> None:
     run = Run(FakeDevice([b"\x00", b"\xf0"]), 2)
     assert len(run.batches[1]) == 0

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
+use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3_arrow::PyRecordBatchReader;
 
@@ -17,6 +18,10 @@ use crate::change_log::PyChangeLog;
 use crate::errors;
 use crate::findings::PyFindings;
 
+/// Times, signals and values as numpy hands them over.
+type Columns<'py> =
+    (PyReadonlyArray1<'py, i64>, PyReadonlyArray1<'py, u32>, PyReadonlyArray1<'py, i64>);
+
 /// Rows handed to the engine at once.
 const CHUNK_ROWS: usize = 1024;
 
@@ -25,6 +30,8 @@ const CHUNK_ROWS: usize = 1024;
 pub struct PyMonitor {
     monitor: Monitor,
     signals: Arc<HashMap<String, SignalIndex>>,
+    /// What the indices of [`PyMonitor::observe_rows`] stand for.
+    bound: Vec<SignalIndex>,
 }
 
 impl PyMonitor {
@@ -34,31 +41,55 @@ impl PyMonitor {
             Some(bytes) => Monitor::restore(model, bytes)?,
             None => Monitor::new(model),
         };
-        Ok(Self { monitor, signals: Arc::new(signals) })
+        Ok(Self { monitor, signals: Arc::new(signals), bound: Vec::new() })
     }
 
-    /// Rows up to each gap, the gap, the rows after it.
-    fn watch(&mut self, log: &ChangeLog) -> Result<Vec<Finding>, MonitorError> {
-        let signals = Arc::clone(&self.signals);
-        let numbers: Vec<SignalIndex> = log
-            .signals
+    /// The engine's numbers of signals, by name.
+    fn numbers(&mut self, signals: &[String]) -> Vec<SignalIndex> {
+        let known = Arc::clone(&self.signals);
+        signals
             .iter()
-            .map(|symbol| self.monitor.signal_index(symbol, signals.get(symbol).copied()))
-            .collect();
+            .map(|symbol| self.monitor.signal_index(symbol, known.get(symbol).copied()))
+            .collect()
+    }
+
+    /// Three columns as rows of bound signals.
+    fn rows(&self, columns: &Columns<'_>) -> PyResult<Vec<Row>> {
+        let (time, signal, value) =
+            (columns.0.as_array(), columns.1.as_array(), columns.2.as_array());
+        if time.len() != signal.len() || time.len() != value.len() {
+            return Err(errors::input("time, signal and value are not of one length"));
+        }
+        let mut rows = Vec::with_capacity(time.len());
+        for ((&time, &signal), &value) in time.iter().zip(signal).zip(value) {
+            let Some(&signal) = self.bound.get(signal as usize) else {
+                let bound = self.bound.len();
+                return Err(errors::input(format!(
+                    "signal index {signal} is not among the {bound} bound signals; bind them first"
+                )));
+            };
+            rows.push(Row { time, signal, value });
+        }
+        Ok(rows)
+    }
+
+    /// Rows up to each gap, the rows after it.
+    fn watch(&mut self, log: &ChangeLog) -> Result<Vec<Finding>, MonitorError> {
+        let numbers = self.numbers(&log.signals);
         let mut findings = Vec::new();
         let mut start = 0;
         for gap in &log.gaps {
             let end = start + log.time[start..].partition_point(|&time| time < gap.end);
-            self.observe_rows(log, start..end, &numbers, &mut findings)?;
+            self.observe_range(log, start..end, &numbers, &mut findings)?;
             findings.extend(self.monitor.gap(gap.start, gap.end));
             start = end;
         }
-        self.observe_rows(log, start..log.len(), &numbers, &mut findings)?;
+        self.observe_range(log, start..log.len(), &numbers, &mut findings)?;
         Ok(findings)
     }
 
     /// Rows of a log in chunks that stay in the processor's cache.
-    fn observe_rows(
+    fn observe_range(
         &mut self,
         log: &ChangeLog,
         range: Range<usize>,
@@ -86,6 +117,38 @@ impl PyMonitor {
 
 #[pymethods]
 impl PyMonitor {
+    fn bind(&mut self, signals: Vec<String>) {
+        self.bound = self.numbers(&signals);
+    }
+
+    fn observe_rows(
+        &mut self,
+        time_ns: PyReadonlyArray1<'_, i64>,
+        signal_index: PyReadonlyArray1<'_, u32>,
+        value: PyReadonlyArray1<'_, i64>,
+    ) -> PyResult<PyFindings> {
+        let rows = self.rows(&(time_ns, signal_index, value))?;
+        // A batch of a live source is a few rows: not worth letting another thread in.
+        let findings = self.monitor.observe(&rows).map_err(errors::input)?;
+        Ok(PyFindings { findings })
+    }
+
+    fn observe_image(
+        &mut self,
+        time_ns: PyReadonlyArray1<'_, i64>,
+        signal_index: PyReadonlyArray1<'_, u32>,
+        value: PyReadonlyArray1<'_, i64>,
+    ) -> PyResult<PyFindings> {
+        let rows = self.rows(&(time_ns, signal_index, value))?;
+        let findings = self.monitor.image(&rows).map_err(errors::input)?;
+        Ok(PyFindings { findings })
+    }
+
+    #[getter]
+    fn now_ns(&self) -> Option<i64> {
+        self.monitor.now()
+    }
+
     fn observe(&mut self, py: Python<'_>, batch: &Bound<'_, PyAny>) -> PyResult<PyFindings> {
         let findings = match batch.cast::<PyChangeLog>() {
             Ok(log) => {

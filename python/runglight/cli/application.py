@@ -29,6 +29,8 @@ def _version() -> str:
 # In the order in which one needs them. The sentences are those of the commands' own help.
 COMMANDS = {
     "demo": ("demo:demo", "Break a simulated machine and have the fault named."),
+    "init": ("init:init", "Write a commented configuration for a machine."),
+    "check": ("check:check", "Say which signals of a machine answer."),
     "record": ("record:record", "Record a live machine, so that nothing is lost."),
     "learn": ("learn:learn", "Learn what nominal looks like from fault-free logs."),
     "show": ("show:show", "Show what a model knows: devices, rules, drawings."),

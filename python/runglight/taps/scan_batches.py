@@ -7,6 +7,10 @@ import numpy.typing as npt
 
 from runglight.taps.base import QUIET_NS, Batch, ClockStep, Gap, Mark
 
+SCANS_AFTER_A_CHANGE = 2
+"""Scans that leave at once after one that saw a change: whoever watches judges a scan when its end
+is known, and one scan may come a little early."""
+
 
 class ScanBatches:
     """Compares each scan with the one before; scans that saw nothing share a batch.
@@ -24,6 +28,7 @@ class ScanBatches:
         self._values: npt.NDArray[np.int64] = np.empty(0, np.int64)
         self._idle_ns: list[int] = []
         self._told_ns = 0
+        self._at_once = 0
         self._gap: str | None = None
         self.last_ns: int | None = None
         """Time of the last good scan."""
@@ -42,7 +47,9 @@ class ScanBatches:
         self.last_ns = time_ns
         if image == self._image and step_ns is None:
             self._idle_ns.append(time_ns)
-            return self._flush() if time_ns - self._told_ns >= self._quiet_ns else []
+            self._at_once -= 1
+            due = self._at_once >= 0 or time_ns - self._told_ns >= self._quiet_ns
+            return self._flush() if due else []
         marks: list[Mark] = []
         if self._gap is not None and last_ns is not None:
             marks.append(Gap(last_ns, time_ns, self._gap))
@@ -61,6 +68,7 @@ class ScanBatches:
         scans = [*self._idle_ns, time_ns]
         self._idle_ns = []
         self._told_ns = time_ns
+        self._at_once = 0 if whole or not len(rows) else SCANS_AFTER_A_CHANGE
         return Batch(
             until_ns=time_ns,
             time_ns=np.full(len(rows), time_ns, np.int64),

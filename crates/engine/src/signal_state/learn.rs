@@ -472,10 +472,17 @@ fn logger_resolution(logs: &[&ChangeLog]) -> Nanoseconds {
     grids.into_iter().find(|&grid| off(grid) <= OFF_GRID * rows as f64).unwrap_or(FINEST)
 }
 
+/// Scans may come early by one part in this many of their interval.
+const SCAN_JITTER: Nanoseconds = 10;
+
 /// Events closer than this have no order; zero where only equal times are of one scan.
+///
+/// A little less than the interval: scans jitter, and two in a row are not one because the second
+/// came early; nor must a live finding wait for a third.
 fn scan_window(logs: &[&ChangeLog], parameters: &Parameters) -> Nanoseconds {
     let given = parameters.scan_interval_s.map(|s| (s * SECOND as f64) as Nanoseconds);
-    given.or_else(|| logs.iter().filter_map(|log| log.scan_interval).max()).unwrap_or(0)
+    let interval = given.or_else(|| logs.iter().filter_map(|log| log.scan_interval).max());
+    interval.map_or(0, |interval| interval - interval / SCAN_JITTER)
 }
 
 /// Longest time between two events of each group.

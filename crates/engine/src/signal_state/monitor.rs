@@ -20,7 +20,7 @@ use crate::timing::limits::Accepted;
 
 use super::chains::{ChainIndex, ChainKind};
 use super::enabling::Trigger;
-use super::events::{Row, Values};
+use super::events::{Meaning, Row, Values};
 use super::incident::Incident;
 use super::lanes::{Counters, Lanes};
 use super::message;
@@ -245,14 +245,7 @@ impl Monitor {
     /// # Errors
     /// A row older than one already watched; nothing of the batch is taken then.
     pub fn observe(&mut self, rows: &[Row]) -> Result<Vec<Finding>, MonitorError> {
-        let mut newest = self.watch.now;
-        for (index, row) in rows.iter().enumerate() {
-            if row.time < newest {
-                let late_s = newest.saturating_sub(row.time) as f64 / SECOND as f64;
-                return Err(MonitorError::Order { row: index + 1, late_s: format!("{late_s:.3}") });
-            }
-            newest = row.time;
-        }
+        self.check_order(rows)?;
         for start in (0..rows.len()).step_by(WARMED_ROWS) {
             let end = rows.len().min(start + WARMED_ROWS);
             self.warm(&rows[start..end]);
@@ -268,10 +261,39 @@ impl Monitor {
         Ok(std::mem::take(&mut self.findings))
     }
 
+    /// Takes rows that say how signals stand, not that they changed: what a live source reads
+    /// first after its start or a gap, or when it meets a signal.
+    ///
+    /// # Errors
+    /// A row older than one already watched; nothing of the batch is taken then.
+    pub fn image(&mut self, rows: &[Row]) -> Result<Vec<Finding>, MonitorError> {
+        self.check_order(rows)?;
+        let (Some(first), Some(last)) = (rows.first(), rows.last()) else {
+            return Ok(Vec::new());
+        };
+        self.complete_scan();
+        self.pass_deadlines(first.time);
+        if std::mem::replace(&mut self.watch.resynchronise, false) {
+            self.resume_clocks(last.time);
+        }
+        self.watch.started = true;
+        self.watch.now = last.time;
+        for &row in rows {
+            if row.signal as usize >= self.model.plant.signals.len() {
+                self.report_unknown_signal(row);
+            } else if self.watch.values.take(row.signal, row.value) != Meaning::Sample {
+                self.lose_sight(row.signal);
+            }
+        }
+        Ok(std::mem::take(&mut self.findings))
+    }
+
     /// Time went on to `now` without a change: completes the running scan, finds stalls and paths
     /// that did not return.
     pub fn advance(&mut self, now: Nanoseconds) -> Vec<Finding> {
-        if self.scan_is_over(now) {
+        // What is due is judged when all rows before it are: the running scan may hold the very
+        // event a group was waiting for.
+        if self.scan_is_over(now) || now >= self.watch.next_deadline {
             self.complete_scan();
         }
         if now > self.watch.now {
@@ -279,6 +301,11 @@ impl Monitor {
             self.pass_deadlines(now);
         }
         std::mem::take(&mut self.findings)
+    }
+
+    /// The newest time that was observed or advanced to; None before the first.
+    pub fn now(&self) -> Option<Nanoseconds> {
+        (self.watch.now != Nanoseconds::MIN).then_some(self.watch.now)
     }
 
     /// Nothing was recorded from `start` to `end`: what follows has no predecessor.
@@ -291,7 +318,12 @@ impl Monitor {
         watch.off_path.fill(false);
         watch.open.clear();
         watch.group_last.fill(Nanoseconds::MAX);
-        watch.group_stalled.fill(None);
+        for (stalled, last) in watch.group_stalled.iter_mut().zip(&mut watch.group_last_state) {
+            // A stop that has been told is not told again after the gap.
+            if stalled.take().is_some() {
+                *last = NO_STATE;
+            }
+        }
         watch.next_deadline = Nanoseconds::MAX;
         watch.resynchronise = true;
         watch.values.doubt();
@@ -347,6 +379,31 @@ impl Monitor {
             return Err(MonitorError::Damaged);
         }
         Ok(monitor)
+    }
+
+    fn check_order(&self, rows: &[Row]) -> Result<(), MonitorError> {
+        let mut newest = self.watch.now;
+        for (index, row) in rows.iter().enumerate() {
+            if row.time < newest {
+                let late_s = newest.saturating_sub(row.time) as f64 / SECOND as f64;
+                return Err(MonitorError::Order { row: index + 1, late_s: format!("{late_s:.3}") });
+            }
+            newest = row.time;
+        }
+        Ok(())
+    }
+
+    /// After a gap, a group that was moving before it is given its time to stall anew: a machine
+    /// that stopped unseen would otherwise never be told.
+    fn resume_clocks(&mut self, time: Nanoseconds) {
+        let watch = &mut self.watch;
+        for (group, last) in watch.group_last.iter_mut().enumerate() {
+            if *last == Nanoseconds::MAX && watch.group_last_state[group] != NO_STATE {
+                *last = time;
+                let deadline = time.saturating_add(self.stall_after[group]);
+                watch.next_deadline = watch.next_deadline.min(deadline);
+            }
+        }
     }
 
     /// Name of a state, also of one first met while watching.

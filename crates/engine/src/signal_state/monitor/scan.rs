@@ -86,7 +86,9 @@ impl Monitor {
             self.watch.resynchronise = is_image(of_first_time.map(|row| row.value));
         }
         let resynchronise_until = self.watch.resynchronise.then_some(first.time);
-        self.watch.resynchronise = false;
+        if std::mem::replace(&mut self.watch.resynchronise, false) {
+            self.resume_clocks(first.time);
+        }
         let known = self.model.plant.signals.len() as SignalIndex;
         let mut events = 0;
         for index in 0..rows.len() {
