@@ -48,7 +48,9 @@ def on_live_bench(
 
 @asynccontextmanager
 async def tapped(url: str) -> AsyncIterator[tuple[Tap, AsyncIterator[Batch]]]:
-    async with open_tap(url, interval="5ms") as tap:
+    # A busy computer is no lost connection.
+    patience = "&timeout=5s" if url.startswith(("modbus:", "s7:")) else ""
+    async with open_tap(url + patience, interval="5ms") as tap:
         yield tap, aiter(tap)
 
 
@@ -229,6 +231,8 @@ def test_closing_ends_an_iteration_under_way(on_bench: Callable[[Body], None]) -
 
 def test_scanning_without_pause_can_be_closed(on_bench: Callable[[Body], None]) -> None:
     async def body(bench: Bench) -> None:
+        if not bench.polls:
+            pytest.skip("only what is polled is scanned without pause")
         for _ in range(20):
             async with open_tap(bench.url, interval="0") as tap:
                 await anext(aiter(tap))

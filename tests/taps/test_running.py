@@ -74,6 +74,40 @@ def test_stopping_ends_a_wait(start: Start) -> None:
     run(test)
 
 
+def test_stopping_leaves_the_reader_uncancelled(start: Start) -> None:
+    async def test() -> None:
+        scanner = start(counting(pause_s=3_600))
+
+        async def read() -> int:
+            while await scanner.next() is not None:
+                pass
+            task = asyncio.current_task()
+            assert task is not None
+            await asyncio.sleep(0)
+            return task.cancelling()
+
+        reading = asyncio.ensure_future(read())
+        await asyncio.sleep(0.01)
+        await scanner.stop()
+        assert await reading == 0
+
+    run(test)
+
+
+def test_a_reader_cancelled_while_stopping_stays_cancelled() -> None:
+    async def test() -> None:
+        scanner = InLoop(counting(pause_s=3_600))
+        await scanner.next()
+        reading = asyncio.ensure_future(scanner.next())
+        await asyncio.sleep(0.01)
+        reading.cancel()
+        await scanner.stop()
+        await asyncio.wait([reading])
+        assert reading.cancelled()
+
+    run(test)
+
+
 def test_a_reader_that_is_cancelled_stays_so(start: Start) -> None:
     async def test() -> None:
         scanner = start(counting(pause_s=3_600))

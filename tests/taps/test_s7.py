@@ -7,6 +7,8 @@ from collections.abc import Callable, Coroutine
 from typing import Any
 
 import pytest
+from snap7.connection import ISOTCPConnection
+from snap7.error import S7TimeoutError
 from snap7.type import SrvArea
 
 from runglight.errors import InputError
@@ -214,7 +216,7 @@ async def spoiled(wrong: Wrong, times: int) -> tuple[list[Batch], int]:
 
     seen: list[Batch] = []
     async with ScriptedServer(ScriptedS7(on_read), s7_frame_bytes) as server:
-        async with open_tap(f"s7://127.0.0.1:{server.port}?pe=0-1") as tap:
+        async with open_tap(f"s7://127.0.0.1:{server.port}?pe=0-1&timeout=10s") as tap:
             batches = aiter(tap)
             assert (await anext(batches)).image
             left = times
@@ -293,6 +295,20 @@ def test_a_host_that_accepts_and_never_answers_is_retried_for_ever() -> None:
                 await asyncio.gather(reading, return_exceptions=True)
 
     run(test())
+
+
+def test_connecting_takes_no_longer_than_the_time_out(monkeypatch: pytest.MonkeyPatch) -> None:
+    waits: list[float] = []
+
+    def connect(wire: ISOTCPConnection, timeout: float = 5.0) -> None:
+        waits.append(timeout)
+        raise S7TimeoutError("no")
+
+    monkeypatch.setattr(ISOTCPConnection, "connect", connect)
+    for query, wait_s in (("pe=0", 0.5), ("pe=0&timeout=2s", 2.0)):
+        with pytest.raises(InputError):
+            asyncio.run(open_tap(f"s7://127.0.0.1?{query}").check())
+        assert waits.pop() == wait_s
 
 
 # ---- Where it runs

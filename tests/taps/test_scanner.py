@@ -184,6 +184,15 @@ def test_a_device_that_connects_and_never_answers_is_left_alone_more_and_more() 
     assert len(run.batches[1].marks) == 1
 
 
+def test_after_a_good_scan_the_waits_are_short_again() -> None:
+    clock = FakeClock()
+    lost = DeviceLostError("no reply in 0.5 s")
+    run = Run(FakeDevice([b"\0", lost, lost, b"\0", lost, b"\0"]), 3, clock)
+    gaps = [mark for batch in run.batches for mark in batch.marks if isinstance(mark, Gap)]
+    assert [gap.end_ns - gap.start_ns for gap in gaps] == [310 * MS, 110 * MS]
+    assert run.connections[-1].reconnects == 2
+
+
 @pytest.mark.parametrize(
     ("interval_ms", "slow_ms", "is_gap"),
     [

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -118,8 +119,10 @@ def read(path: Path | str | None, options: ReadOptions) -> Log:
 def refuse_live(source: str) -> None:
     """A live source is no log yet."""
     if is_live(source):
+        # A path has lost one of the two slashes.
+        shown = re.sub(r"^(\w+):/(?=[^/])", r"\1://", source)
         raise InputError(
-            f"{source}: this is a live source, and a log is needed here; "
+            f"{shown}: this is a live source, and a log is needed here; "
             "record it first: runglight record URL --to DIR"
         )
 
