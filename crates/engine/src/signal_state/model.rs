@@ -1,6 +1,7 @@
 //! The nominal model: what was learned, indexed for watching.
 
 use std::collections::HashMap;
+use std::sync::OnceLock;
 
 use serde::{Deserialize, Serialize};
 
@@ -11,6 +12,7 @@ use crate::timing::limits::{self, Accepted, Tail};
 use super::budget::Budget;
 use super::chains::{ChainIndex, ChainKind, Chains};
 use super::evidence::Evidence;
+use super::lanes::Lanes;
 use super::parameters::{Parameters, Timing};
 use super::rules::{Rule, RuleTable};
 use super::states::{StateId, States, full_state_name, short_state_name};
@@ -53,6 +55,8 @@ pub struct NominalModel {
     /// For rules with an enabling event: accepted times since the device's own last event, for
     /// when the transition happens without a fresh one.
     pub(super) accepted_without: HashMap<usize, Vec<Accepted>>,
+    /// Made for the first monitor; every one begins with a copy.
+    lanes: OnceLock<Lanes>,
 }
 
 /// "Learned from the longest nominal pause": this many times it.
@@ -91,6 +95,7 @@ impl NominalModel {
             budget,
             tail,
             accepted_without,
+            lanes: OnceLock::new(),
         }
     }
 
@@ -175,6 +180,11 @@ impl NominalModel {
     /// time is.
     pub(super) fn latest_s(&self, rule: usize) -> Option<f64> {
         self.accepted(rule).iter().map(|a| a.late_s).reduce(f64::max)
+    }
+
+    /// Lanes on which nothing has been counted.
+    pub(super) fn fresh_lanes(&self) -> Lanes {
+        self.lanes.get_or_init(|| Lanes::of(self)).clone()
     }
 
     /// How long a group may pause before it has stopped.

@@ -176,11 +176,7 @@ impl Monitor {
             finding.message = message::departure(&model, &departure, &finding);
             self.place(finding, rule.chain, kind, Waiting { since: time, inherits: false });
         }
-        for index in 0..model.rules.len() {
-            if model.chains.group_of(model.rules[index].chain) == group {
-                self.lanes.reset(index);
-            }
-        }
+        self.lanes.reset(group);
     }
 
     /// A finding of a kind at a chain, its state's signal filled in.

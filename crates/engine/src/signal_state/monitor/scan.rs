@@ -6,43 +6,62 @@ use crate::signal_state::events::{Meaning, Row, is_image};
 use crate::signal_state::rules::row_of;
 use crate::signal_state::states::{NO_STATE, StateId};
 
-use super::{Entry, FURTHER_STATES_AT_MOST, Monitor, NEVER, NOWHERE, REORDER_AT_MOST};
+use super::{Entry, FURTHER_STATES_AT_MOST, Monitor, NOWHERE, REORDER_AT_MOST};
 
 impl Monitor {
-    /// Touches what the rows will probably need. The memory behind a big plant's lanes is the cost
-    /// of watching it; loads that do not wait for one another share their latency.
+    /// Touches the lanes the rows lead to. The memory behind a big plant's lanes is the cost of
+    /// watching it; loads that do not wait for one another share their latency.
     #[inline]
     pub(super) fn warm(&self, rows: &[Row]) {
         let mut touched = 0;
         for row in rows {
-            if (row.signal as usize) < self.model.plant.signals.len() {
-                let device = self.model.chains.device_chain(row.signal);
-                let from = self.watch.here[device].state;
-                if from != NO_STATE {
-                    let row = self.model.table.row(row_of(from, ChainKind::Device));
-                    touched ^= self.lanes.touch(row.start);
-                }
-            }
+            // Booleans; the few words come as they come.
+            touched ^= self.lanes.touch(2 * row.signal as usize + (row.value & 1) as usize);
         }
         std::hint::black_box(touched);
     }
 
-    /// True where a row is a scan of its own and nothing else is due before it.
+    /// Takes the first of the rows, and those of its scan where that is complete; returns how many.
     #[inline]
-    pub(super) fn stands_alone(&self, row: Row, next: Row) -> bool {
-        let age = next.time.saturating_sub(row.time);
-        self.watch.pending.is_empty()
-            && age > 0
-            && age >= self.model.learned.scan_window
-            && row.time < self.watch.next_deadline
-            && self.watch.started
-            && !self.watch.resynchronise
-            && (row.signal as usize) < self.model.plant.signals.len()
+    pub(super) fn take_next(&mut self, rows: &[Row]) -> usize {
+        let row = rows[0];
+        if self.scan_is_over(row.time) {
+            self.complete_scan();
+        }
+        let watch = &self.watch;
+        if watch.pending.is_empty() && watch.started && !watch.resynchronise {
+            let length = self.scan_length(rows);
+            if let Some(last) = rows[..length].last()
+                && last.time < watch.next_deadline
+            {
+                if length == 1 && (row.signal as usize) < self.model.plant.signals.len() {
+                    self.take_alone(row);
+                } else {
+                    self.watch.now = last.time;
+                    self.watch.pending.extend_from_slice(&rows[..length]);
+                    self.complete_scan();
+                }
+                return length;
+            }
+        }
+        self.take(row);
+        1
     }
 
-    /// What [`Self::take`] comes to for a row that stands alone.
+    /// Number of rows in the first scan of the rows; zero where they do not show its end.
     #[inline]
-    pub(super) fn take_alone(&mut self, row: Row) {
+    fn scan_length(&self, rows: &[Row]) -> usize {
+        let window = self.model.learned.scan_window;
+        let over = |row: &Row| {
+            let age = row.time.saturating_sub(rows[0].time);
+            age > 0 && age >= window
+        };
+        rows.iter().position(over).unwrap_or_default()
+    }
+
+    /// What [`Self::take`] comes to for a row that is a scan of its own.
+    #[inline]
+    fn take_alone(&mut self, row: Row) {
         self.watch.now = row.time;
         match self.watch.values.take(row.signal, row.value) {
             Meaning::Event => self.step_event(row),
@@ -236,11 +255,7 @@ impl Monitor {
     #[inline]
     pub(super) fn enter(&mut self, row: Row) -> Entry {
         let state = self.intern(row.signal, row.value);
-        let before = if self.lanes.tracks(state) {
-            std::mem::replace(&mut self.watch.entered[state as usize], row.time)
-        } else {
-            NEVER
-        };
+        let before = self.lanes.enter(state, row.time);
         let chains = &self.model.chains;
         let group = chains.group_of(chains.device_chain(row.signal));
         self.watch.group_last[group] = row.time;
