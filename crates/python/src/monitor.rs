@@ -1,6 +1,5 @@
 //! `Monitor`: observe and advance.
 
-use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -18,32 +17,35 @@ use crate::errors;
 use crate::findings::PyFindings;
 
 /// Rows handed to the engine at once.
-const CHUNK_ROWS: usize = 1024;
+const CHUNK_ROWS: usize = 256;
 
 /// Watches one plant.
 #[pyclass(name = "Monitor", module = "runglight._engine")]
 pub struct PyMonitor {
     monitor: Monitor,
-    signals: Arc<HashMap<String, SignalIndex>>,
+    model: Arc<NominalModel>,
 }
 
 impl PyMonitor {
     pub fn new(model: Arc<NominalModel>, state: Option<&[u8]>) -> Result<Self, MonitorError> {
-        let signals = (0..).zip(&model.plant.signals).map(|(i, s)| (s.symbol.clone(), i)).collect();
         let monitor = match state {
-            Some(bytes) => Monitor::restore(model, bytes)?,
-            None => Monitor::new(model),
+            Some(bytes) => Monitor::restore(Arc::clone(&model), bytes)?,
+            None => Monitor::new(Arc::clone(&model)),
         };
-        Ok(Self { monitor, signals: Arc::new(signals) })
+        Ok(Self { monitor, model })
     }
 
     /// Rows up to each gap, the gap, the rows after it.
     fn watch(&mut self, log: &ChangeLog) -> Result<Vec<Finding>, MonitorError> {
-        let signals = Arc::clone(&self.signals);
+        let known = self
+            .model
+            .symbols()
+            .find_all(&self.model.plant, log.signals.iter().map(String::as_str));
         let numbers: Vec<SignalIndex> = log
             .signals
             .iter()
-            .map(|symbol| self.monitor.signal_index(symbol, signals.get(symbol).copied()))
+            .zip(known)
+            .map(|(symbol, known)| self.monitor.signal_index(symbol, known))
             .collect();
         let mut findings = Vec::new();
         let mut start = 0;

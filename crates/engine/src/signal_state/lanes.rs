@@ -12,7 +12,7 @@ use crate::log::{Nanoseconds, SECOND};
 use crate::timing::TimeCluster;
 use crate::timing::limits::Accepted;
 
-use super::chains::ChainKind;
+use super::chains::{ChainIndex, ChainKind};
 use super::enabling::Trigger;
 use super::model::NominalModel;
 use super::parameters::Timing;
@@ -60,10 +60,10 @@ impl Band {
 struct Lane {
     /// The state it leads from.
     current: StateId,
-    /// The next lane of the same chain into the same state.
-    further: u32,
-    /// In the first lane of a state: the first lane of the group's chain into it.
-    group: u32,
+    /// Place of its links to other lanes into the same state.
+    links: u32,
+    /// The device of the state it leads to.
+    device: u32,
     /// Times it was taken since the last check.
     count: u32,
     entered: Nanoseconds,
@@ -77,13 +77,24 @@ struct Lane {
     /// Place of its further bands, and how many bands it has in all.
     more: u32,
     bands: u16,
+    /// True where the state is one of its device's starting signal.
+    starting: bool,
+}
+
+/// Other lanes into the same state.
+#[derive(Debug, Clone, Copy)]
+struct Links {
+    /// The next lane of the same chain.
+    further: u32,
+    /// From the first lane of a state: the first lane of the group's chain.
+    group: u32,
 }
 
 /// No rule leads here.
 const UNUSED: Lane = Lane {
     current: NO_STATE,
-    further: NONE,
-    group: NONE,
+    links: NONE,
+    device: NONE,
     count: 0,
     entered: NEVER,
     early: Nanoseconds::MIN,
@@ -93,7 +104,19 @@ const UNUSED: Lane = Lane {
     trigger: NONE,
     more: 0,
     bands: 0,
+    starting: false,
 };
+
+/// What is known of a state by its number alone.
+#[derive(Debug, Clone, Copy)]
+pub struct Entered {
+    /// When it was entered before.
+    pub before: Nanoseconds,
+    /// Its device.
+    pub device: ChainIndex,
+    /// True where it is one of its device's starting signal.
+    pub starting: bool,
+}
 
 /// One rule as the periodic checks come to it.
 #[derive(Debug, Clone, Copy)]
@@ -109,6 +132,7 @@ pub struct Checked {
 struct Layout {
     /// Per rule: its lane.
     lane_of: Vec<u32>,
+    links: Vec<Links>,
     /// The states that enable rules which wait for another event.
     triggers: Vec<[StateId; 2]>,
     /// States of which something must know when they were entered, sorted.
@@ -127,17 +151,38 @@ pub struct Lanes {
     layout: Arc<Layout>,
 }
 
+impl Layout {
+    /// The links of a lane, made where it has none.
+    fn links_of(&mut self, lane: &mut Lane) -> &mut Links {
+        if lane.links == NONE {
+            lane.links = self.links.len() as u32;
+            self.links.push(Links { further: NONE, group: NONE });
+        }
+        &mut self.links[lane.links as usize]
+    }
+}
+
 impl Lanes {
     /// Fresh lanes: nothing counted.
     pub fn of(model: &NominalModel) -> Self {
         let states = model.states.len();
         let mut layout = Layout {
             lane_of: vec![NONE; model.rules.len()],
+            links: Vec::new(),
             triggers: Vec::new(),
             tracked: Vec::new(),
             checked: checked(model),
         };
-        let mut lanes = vec![UNUSED; states];
+        let mut lanes: Vec<Lane> = (0..states as StateId)
+            .map(|state| {
+                let signal = model.states.signal_value(state).0;
+                Lane {
+                    device: model.chains.device_chain(signal) as u32,
+                    starting: model.chains.group_chain(signal).is_some(),
+                    ..UNUSED
+                }
+            })
+            .collect();
         let mut more = Vec::new();
         // The most frequent into a state first: it gets the state's own line.
         let mut order: Vec<u32> = (0..model.rules.len() as u32).collect();
@@ -154,11 +199,13 @@ impl Lanes {
             let at = match last {
                 _ if kind == ChainKind::Device && lanes[first].current == NO_STATE => first,
                 Some((state, of, before)) if state == rule.next && of == kind => {
-                    lanes[before].further = lanes.len() as u32;
+                    let new = lanes.len() as u32;
+                    layout.links_of(&mut lanes[before]).further = new;
                     lanes.len()
                 }
                 _ => {
-                    lanes[first].group = lanes.len() as u32;
+                    let new = lanes.len() as u32;
+                    layout.links_of(&mut lanes[first]).group = new;
                     lanes.len()
                 }
             };
@@ -188,6 +235,7 @@ impl Lanes {
         layout.tracked.sort_unstable();
         layout.tracked.dedup();
         layout.tracked.shrink_to_fit();
+        layout.links.shrink_to_fit();
         layout.triggers.shrink_to_fit();
         Self { lanes, states, more, layout: Arc::new(layout) }
     }
@@ -198,16 +246,34 @@ impl Lanes {
         self.lanes.get(state).map_or(0, |lane| lane.count)
     }
 
-    /// Keeps that a state was entered; returns when that happened before.
+    /// Reads what the lane of a state leads on to; the lane is at hand.
     #[inline]
-    pub fn enter(&mut self, state: StateId, time: Nanoseconds) -> Nanoseconds {
-        match self.lanes.get_mut(state as usize) {
-            Some(lane) if (state as usize) < self.states => {
-                std::mem::replace(&mut lane.entered, time)
-            }
-            // Nobody learned it, so nothing waits for it.
-            _ => NEVER,
+    pub fn touch_further(&self, state: usize) -> u32 {
+        let Some(lane) = self.lanes.get(state) else { return 0 };
+        let mut touched = 0;
+        if lane.bands > 1 {
+            touched ^= self.more.get(lane.more as usize).map_or(0, |band| band.seen.count);
         }
+        if lane.starting
+            && let Some(links) = self.layout.links.get(lane.links as usize)
+        {
+            touched ^= self.touch(links.group as usize);
+        }
+        touched
+    }
+
+    /// Keeps that a state was entered. `None` for a state nobody learned: nothing waits for it.
+    #[inline]
+    pub fn enter(&mut self, state: StateId, time: Nanoseconds) -> Option<Entered> {
+        if state as usize >= self.states {
+            return None;
+        }
+        let lane = &mut self.lanes[state as usize];
+        Some(Entered {
+            before: std::mem::replace(&mut lane.entered, time),
+            device: lane.device as ChainIndex,
+            starting: lane.starting,
+        })
     }
 
     /// Sight was lost: as if no state had ever been entered.
@@ -223,16 +289,18 @@ impl Lanes {
         if next as usize >= self.states {
             return None;
         }
-        let mut at = match kind {
-            ChainKind::Device => next,
-            ChainKind::Group => self.lanes[next as usize].group,
-        };
+        let first = &self.lanes[next as usize];
+        if kind == ChainKind::Device && first.current == current {
+            return Some(next as usize);
+        }
+        let links = self.layout.links.get(first.links as usize)?;
+        let mut at = if kind == ChainKind::Device { links.further } else { links.group };
         loop {
             let lane = self.lanes.get(at as usize)?;
             if lane.current == current {
                 return Some(at as usize);
             }
-            at = lane.further;
+            at = self.layout.links.get(lane.links as usize)?.further;
         }
     }
 

@@ -7,6 +7,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::log::{Nanoseconds, SECOND};
 use crate::plant::Plant;
+use crate::symbol_index::SymbolIndex;
 use crate::timing::limits::{self, Accepted, Tail};
 
 use super::budget::Budget;
@@ -55,6 +56,7 @@ pub struct NominalModel {
     /// For rules with an enabling event: accepted times since the device's own last event, for
     /// when the transition happens without a fresh one.
     pub(super) accepted_without: HashMap<usize, Vec<Accepted>>,
+    symbols: OnceLock<SymbolIndex>,
     /// Made for the first monitor; every one begins with a copy.
     lanes: OnceLock<Lanes>,
 }
@@ -95,6 +97,7 @@ impl NominalModel {
             budget,
             tail,
             accepted_without,
+            symbols: OnceLock::new(),
             lanes: OnceLock::new(),
         }
     }
@@ -180,6 +183,11 @@ impl NominalModel {
     /// time is.
     pub(super) fn latest_s(&self, rule: usize) -> Option<f64> {
         self.accepted(rule).iter().map(|a| a.late_s).reduce(f64::max)
+    }
+
+    /// Finds signals by symbol.
+    pub fn symbols(&self) -> &SymbolIndex {
+        self.symbols.get_or_init(|| SymbolIndex::of(&self.plant))
     }
 
     /// Lanes on which nothing has been counted.

@@ -174,7 +174,7 @@ pub struct Monitor {
     fresh_for: Nanoseconds,
     watch: Watch,
     findings: Vec<Finding>,
-    scratch: Vec<(ChainIndex, u32)>,
+    scratch: Vec<(ChainIndex, Entry)>,
 }
 
 impl Monitor {

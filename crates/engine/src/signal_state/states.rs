@@ -3,7 +3,7 @@
 //! The states of signal `s` at 0 and 1 are `2·s` and `2·s + 1`; other values of words get the
 //! numbers after those, in the order they are met. Names are looked up once, never while watching.
 
-use std::collections::HashMap;
+use hashbrown::HashMap;
 
 use crate::log::SignalIndex;
 use crate::plant::Plant;

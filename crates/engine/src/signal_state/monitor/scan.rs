@@ -3,6 +3,7 @@
 use crate::log::{Nanoseconds, SignalIndex};
 use crate::signal_state::chains::{ChainIndex, ChainKind};
 use crate::signal_state::events::{Meaning, Row, is_image};
+use crate::signal_state::lanes::NEVER;
 use crate::signal_state::rules::row_of;
 use crate::signal_state::states::{NO_STATE, StateId};
 
@@ -17,6 +18,9 @@ impl Monitor {
         for row in rows {
             // Booleans; the few words come as they come.
             touched ^= self.lanes.touch(2 * row.signal as usize + (row.value & 1) as usize);
+        }
+        for row in rows {
+            touched ^= self.lanes.touch_further(2 * row.signal as usize + (row.value & 1) as usize);
         }
         std::hint::black_box(touched);
     }
@@ -145,9 +149,8 @@ impl Monitor {
     }
 
     pub(super) fn step_event(&mut self, row: Row) {
-        let entry = self.enter(row);
-        let group = self.model.chains.group_chain(row.signal);
-        self.step(self.model.chains.device_chain(row.signal), ChainKind::Device, entry);
+        let (entry, device, group) = self.enter(row);
+        self.step(device, ChainKind::Device, entry);
         if let Some(chain) = group {
             self.step(chain, ChainKind::Group, entry);
         }
@@ -155,31 +158,37 @@ impl Monitor {
 
     /// Several events of one scan: each chain may take its own in whichever order it knows.
     pub(super) fn step_scan(&mut self, rows: &[Row]) {
-        let mut by_chain = std::mem::take(&mut self.scratch);
-        by_chain.clear();
-        let entries: Vec<Entry> = rows.iter().map(|row| self.enter(*row)).collect();
-        for (index, row) in (0..).zip(rows) {
-            by_chain.push((self.model.chains.device_chain(row.signal), index));
-            by_chain.extend(self.model.chains.group_chain(row.signal).map(|chain| (chain, index)));
+        let mut steps = std::mem::take(&mut self.scratch);
+        steps.clear();
+        for row in rows {
+            let (entry, device, group) = self.enter(*row);
+            steps.push((device, entry));
+            steps.extend(group.map(|chain| (chain, entry)));
         }
-        by_chain.sort_by_key(|(chain, _)| *chain);
-        for run in by_chain.chunk_by(|a, b| a.0 == b.0) {
-            let chain = run[0].0;
+        steps.sort_by_key(|(chain, _)| *chain);
+        let mut start = 0;
+        while start < steps.len() {
+            let (chain, entry) = steps[start];
             let kind = self.model.chains.kind(chain);
-            if let [(_, only)] = run {
-                self.step(chain, kind, entries[*only as usize]);
-                continue;
+            let length = steps[start..].iter().take_while(|(other, _)| *other == chain).count();
+            if length == 1 {
+                self.step(chain, kind, entry);
+            } else {
+                self.step_together(chain, kind, &steps[start..start + length]);
             }
-            let mut events: Vec<Entry> =
-                run.iter().map(|&(_, index)| entries[index as usize]).collect();
-            if self.order.is_some() {
-                self.reorder(chain, kind, &mut events);
-            }
-            for event in events {
-                self.step(chain, kind, event);
-            }
+            start += length;
         }
-        self.scratch = by_chain;
+        self.scratch = steps;
+    }
+
+    fn step_together(&mut self, chain: ChainIndex, kind: ChainKind, steps: &[(ChainIndex, Entry)]) {
+        let mut events: Vec<Entry> = steps.iter().map(|(_, entry)| *entry).collect();
+        if self.order.is_some() {
+            self.reorder(chain, kind, &mut events);
+        }
+        for event in events {
+            self.step(chain, kind, event);
+        }
     }
 
     /// Puts the events of one scan into an order the chain knows, if there is one.
@@ -251,13 +260,21 @@ impl Monitor {
         (known + place) as StateId
     }
 
-    /// Keeps when a state was entered, and when and where its group last moved.
+    /// Keeps when a state was entered, and when and where its group last moved. Returns the chains
+    /// that move with it, too.
     #[inline]
-    pub(super) fn enter(&mut self, row: Row) -> Entry {
+    pub(super) fn enter(&mut self, row: Row) -> (Entry, ChainIndex, Option<ChainIndex>) {
         let state = self.intern(row.signal, row.value);
-        let before = self.lanes.enter(state, row.time);
         let chains = &self.model.chains;
-        let group = chains.group_of(chains.device_chain(row.signal));
+        let (before, device, starting) = match self.lanes.enter(state, row.time) {
+            Some(entered) => (entered.before, entered.device, entered.starting),
+            None => {
+                let starting = chains.group_chain(row.signal).is_some();
+                (NEVER, chains.device_chain(row.signal), starting)
+            }
+        };
+        let group = chains.group_of(device);
+        let group_chain = starting.then(|| chains.chain_of_group(group));
         self.watch.group_last[group] = row.time;
         self.watch.group_last_state[group] = state;
         let deadline = row.time.saturating_add(self.stall_after[group]);
@@ -267,6 +284,6 @@ impl Monitor {
         if self.watch.group_stalled[group].is_some() {
             self.stall_returned(group, row.time);
         }
-        Entry { state, time: row.time, before }
+        (Entry { state, time: row.time, before }, device, group_chain)
     }
 }
