@@ -13,17 +13,19 @@ use runglight_engine::signal_state::model::NominalModel;
 use runglight_engine::signal_state::monitor::{Monitor, MonitorError};
 
 use crate::change_log::PyChangeLog;
+use crate::contract::Dictionary;
 use crate::errors;
 use crate::findings::PyFindings;
 
 /// Rows handed to the engine at once.
-const CHUNK_ROWS: usize = 256;
+pub const CHUNK_ROWS: usize = 256;
 
 /// Watches one plant.
 #[pyclass(name = "Monitor", module = "runglight._engine")]
 pub struct PyMonitor {
-    monitor: Monitor,
-    model: Arc<NominalModel>,
+    pub(crate) monitor: Monitor,
+    pub(crate) model: Arc<NominalModel>,
+    pub(crate) dictionary: Dictionary,
 }
 
 impl PyMonitor {
@@ -32,11 +34,11 @@ impl PyMonitor {
             Some(bytes) => Monitor::restore(Arc::clone(&model), bytes)?,
             None => Monitor::new(Arc::clone(&model)),
         };
-        Ok(Self { monitor, model })
+        Ok(Self { monitor, model, dictionary: Dictionary::default() })
     }
 
     /// Rows up to each gap, the gap, the rows after it.
-    fn watch(&mut self, log: &ChangeLog) -> Result<Vec<Finding>, MonitorError> {
+    pub fn watch(&mut self, log: &ChangeLog) -> Result<Vec<Finding>, MonitorError> {
         let known = self
             .model
             .symbols()
@@ -92,15 +94,14 @@ impl PyMonitor {
         let findings = match batch.cast::<PyChangeLog>() {
             Ok(log) => {
                 let log = log.get();
-                py.detach(|| self.watch(&log.log))
+                py.detach(|| self.watch(&log.log)).map_err(errors::input)?
             }
             Err(_) => {
-                let reader: PyRecordBatchReader = batch.extract()?;
-                let log = PyChangeLog::from_stream(py, reader, 0.0)?;
-                py.detach(|| self.watch(&log))
+                let reader = batch.extract::<PyRecordBatchReader>()?.into_reader()?;
+                py.detach(|| self.watch_stream(reader))?
             }
         };
-        Ok(PyFindings { findings: findings.map_err(errors::input)? })
+        Ok(PyFindings { findings })
     }
 
     fn gap(&mut self, start_ns: i64, end_ns: i64) -> PyFindings {
