@@ -136,7 +136,6 @@ impl PyMonitor {
     }
 
     fn watch_columns(&mut self, batches: &[Columns]) -> Result<Vec<Finding>, MonitorError> {
-        let mut findings = Vec::new();
         let mut rows: Vec<Row> = Vec::with_capacity(CHUNK_ROWS);
         let mut keys: Vec<u32> = Vec::with_capacity(CHUNK_ROWS);
         for batch in batches {
@@ -157,10 +156,10 @@ impl PyMonitor {
                     value,
                 }));
                 self.number(&mut rows, &keys, &batch.names);
-                findings.extend(self.monitor.observe(&rows)?);
+                self.monitor.take_rows(&rows)?;
             }
         }
-        Ok(findings)
+        Ok(self.monitor.take_findings())
     }
 
     /// Looks the names up, unless they are known; false where one is missing or empty.

@@ -53,21 +53,24 @@ impl PyMonitor {
         let mut start = 0;
         for gap in &log.gaps {
             let end = start + log.time[start..].partition_point(|&time| time < gap.end);
-            self.observe_rows(log, start..end, &numbers, &mut findings)?;
+            self.take_range(log, start..end, &numbers)?;
             findings.extend(self.monitor.gap(gap.start, gap.end));
             start = end;
         }
-        self.observe_rows(log, start..log.len(), &numbers, &mut findings)?;
+        self.take_range(log, start..log.len(), &numbers)?;
+        if findings.is_empty() {
+            return Ok(self.monitor.take_findings());
+        }
+        findings.extend(self.monitor.take_findings());
         Ok(findings)
     }
 
     /// Rows of a log in chunks that stay in the processor's cache.
-    fn observe_rows(
+    fn take_range(
         &mut self,
         log: &ChangeLog,
         range: Range<usize>,
         numbers: &[SignalIndex],
-        findings: &mut Vec<Finding>,
     ) -> Result<(), MonitorError> {
         let mut chunk: Vec<Row> = Vec::with_capacity(CHUNK_ROWS);
         for start in range.clone().step_by(CHUNK_ROWS) {
@@ -82,7 +85,7 @@ impl PyMonitor {
                 signal: numbers[signal as usize],
                 value,
             }));
-            findings.extend(self.monitor.observe(&chunk)?);
+            self.monitor.take_rows(&chunk)?;
         }
         Ok(())
     }

@@ -94,12 +94,22 @@ struct Meeting {
     ago: Nanoseconds,
 }
 
+impl Meeting {
+    /// By state, then by distance; one comparison.
+    fn key(&self) -> u128 {
+        let shifted = self.ago.cast_unsigned() ^ 1 << 63;
+        u128::from(self.state) << 64 | u128::from(shifted)
+    }
+}
+
 /// Looks for enabling events in learned happenings.
 pub struct Search<'a> {
     happenings: &'a [Happening],
     plant: &'a Plant,
     states: &'a States,
     resolution_s: f64,
+    /// Per signal.
+    group_of: Vec<u32>,
     /// Events of each group, and the place of each happening among its group's.
     by_group: Vec<Vec<Passed>>,
     place: Vec<u32>,
@@ -131,13 +141,18 @@ impl<'a> Search<'a> {
         states: &'a States,
         resolution: Nanoseconds,
     ) -> Self {
-        let group_of = |h: &Happening| plant.device_of(h.signal).group;
-        let mut by_group: Vec<Vec<Passed>> = vec![Vec::new(); plant.groups.len()];
+        let group_of: Vec<u32> =
+            plant.signals.iter().map(|s| plant.devices[s.device].group as u32).collect();
+        let mut sizes = vec![0usize; plant.groups.len()];
+        for happening in happenings {
+            sizes[group_of[happening.signal as usize] as usize] += 1;
+        }
+        let mut by_group: Vec<Vec<Passed>> = sizes.into_iter().map(Vec::with_capacity).collect();
         let mut place = Vec::with_capacity(happenings.len());
         let mut last_of = vec![0u32; states.len() + 1];
         for happening in happenings {
-            let Happening { time, state, run, .. } = *happening;
-            let group = &mut by_group[group_of(happening)];
+            let Happening { time, signal, state, run, .. } = *happening;
+            let group = &mut by_group[group_of[signal as usize] as usize];
             place.push(group.len() as u32);
             group.push(Passed { time, state, run });
             last_of[state as usize + 1] += 1;
@@ -157,6 +172,7 @@ impl<'a> Search<'a> {
             plant,
             states,
             resolution_s: resolution as f64 / SECOND as f64,
+            group_of,
             by_group,
             place,
             first_of,
@@ -238,7 +254,7 @@ impl<'a> Search<'a> {
             self.seen_by[meeting.state as usize] = NOBODY;
         }
         meetings.retain(|m| self.votes[m.state as usize] >= least || m.state == current);
-        meetings.sort_unstable_by_key(|m| (m.state, m.ago));
+        meetings.sort_unstable_by_key(Meeting::key);
         let mut candidates = Vec::new();
         for run in meetings.chunk_by(|a, b| a.state == b.state) {
             if self.may_enable(run[0].state, next, run)
@@ -262,7 +278,7 @@ impl<'a> Search<'a> {
         (current, next): (StateId, StateId),
     ) {
         let here = self.happenings[index as usize];
-        let group = &self.by_group[self.plant.device_of(here.signal).group];
+        let group = &self.by_group[self.group_of[here.signal as usize] as usize];
         let place = self.place[index as usize] as usize;
         let since = here.time - (own_s * SECOND as f64).round() as Nanoseconds;
         let (seen_by, votes, meetings) = (&mut self.seen_by, &mut self.votes, &mut self.meetings);
@@ -320,6 +336,12 @@ impl<'a> Search<'a> {
         let mut entry = 0;
         for (&index, &own) in instances.iter().zip(own_s) {
             let here = self.happenings[index as usize];
+            // Happenings are in order: all of the same time, and none that are later.
+            let together = self.happenings[index as usize + 1..]
+                .iter()
+                .take_while(|other| other.time == here.time && other.run == here.run)
+                .count();
+            let reached = index + together as u32;
             entry += entries[entry..].partition_point(|&other| other < index);
             let before = entry.checked_sub(1).map(|at| self.happenings[entries[at] as usize]);
             let before = before.filter(|b| b.run == here.run).map(|b| b.time);
@@ -330,11 +352,7 @@ impl<'a> Search<'a> {
                     continue;
                 }
                 let occurrences = self.entries(*state);
-                let reached = |other: &u32| {
-                    let other = self.happenings[*other as usize];
-                    other.run < here.run || (other.run == here.run && other.time <= here.time)
-                };
-                *cursor += occurrences[*cursor..].iter().take_while(|o| reached(o)).count();
+                *cursor += occurrences[*cursor..].iter().take_while(|&&o| o <= reached).count();
                 let last =
                     cursor.checked_sub(1).map(|at| self.happenings[occurrences[at] as usize]);
                 let time = last.filter(|l| l.run == here.run).map(|l| l.time);

@@ -73,6 +73,13 @@ impl NominalModel {
         learned: Learned,
         parameters: Parameters,
     ) -> Self {
+        for rule in &mut rules {
+            rule.clusters.shrink_to_fit();
+            if let Some(trigger) = &mut rule.trigger {
+                trigger.clusters.shrink_to_fit();
+            }
+        }
+        rules.shrink_to_fit();
         let chains = Chains::of(&plant);
         let table = RuleTable::build(&mut rules, &chains, states.len());
         let resolution_s = learned.resolution as f64 / SECOND as f64;

@@ -239,6 +239,15 @@ impl Monitor {
     /// # Errors
     /// A row older than one already watched; nothing of the batch is taken then.
     pub fn observe(&mut self, rows: &[Row]) -> Result<Vec<Finding>, MonitorError> {
+        self.take_rows(rows)?;
+        Ok(self.take_findings())
+    }
+
+    /// What [`Self::observe`] does, but for the findings: they wait for [`Self::take_findings`].
+    ///
+    /// # Errors
+    /// A row older than one already watched; nothing of the batch is taken then.
+    pub fn take_rows(&mut self, rows: &[Row]) -> Result<(), MonitorError> {
         let mut newest = self.watch.now;
         for (index, row) in rows.iter().enumerate() {
             if row.time < newest {
@@ -255,7 +264,12 @@ impl Monitor {
                 taken += self.take_next(&rows[taken..]);
             }
         }
-        Ok(std::mem::take(&mut self.findings))
+        Ok(())
+    }
+
+    /// All findings not taken yet.
+    pub fn take_findings(&mut self) -> Vec<Finding> {
+        std::mem::take(&mut self.findings)
     }
 
     /// Time went on to `now` without a change: completes the running scan, finds stalls and paths

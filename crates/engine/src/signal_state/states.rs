@@ -6,7 +6,7 @@
 use hashbrown::HashMap;
 
 use crate::log::SignalIndex;
-use crate::plant::Plant;
+use crate::plant::{Plant, Signal};
 
 /// Dense number of a signal-state.
 pub type StateId = u32;
@@ -83,15 +83,34 @@ pub fn value_suffix(word: bool, value: i64) -> String {
     }
 }
 
+fn push_value_suffix(name: &mut String, word: bool, value: i64) {
+    match value {
+        1 if !word => name.push_str("_ON"),
+        0 if !word => name.push_str("_OFF"),
+        _ => name.push_str(&value_suffix(word, value)),
+    }
+}
+
 /// `Group1-Device2-Signal2_ON`.
 pub fn full_state_name(plant: &Plant, signal: SignalIndex, value: i64) -> String {
-    plant.full_name(signal) + &value_suffix(plant.signals[signal as usize].word, value)
+    let Signal { name, device, word, .. } = &plant.signals[signal as usize];
+    let device = &plant.devices[*device];
+    let group = &plant.groups[device.group].name;
+    let mut full = String::with_capacity(group.len() + device.name.len() + name.len() + 8);
+    for part in [group, "-", &device.name, "-", name] {
+        full.push_str(part);
+    }
+    push_value_suffix(&mut full, *word, value);
+    full
 }
 
 /// `Signal2_ON`, as it reads inside its device.
 pub fn short_state_name(plant: &Plant, signal: SignalIndex, value: i64) -> String {
     let signal = &plant.signals[signal as usize];
-    signal.name.clone() + &value_suffix(signal.word, value)
+    let mut short = String::with_capacity(signal.name.len() + 8);
+    short.push_str(&signal.name);
+    push_value_suffix(&mut short, signal.word, value);
+    short
 }
 
 /// Finds signal and value by a full state name.
