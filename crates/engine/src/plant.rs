@@ -161,9 +161,14 @@ impl Plant {
 
     /// `Group1-Device2-Signal2`.
     pub fn full_name(&self, signal: SignalIndex) -> String {
+        self.name_parts(signal).concat()
+    }
+
+    /// What a full name is made of.
+    pub fn name_parts(&self, signal: SignalIndex) -> [&str; 5] {
         let signal = &self.signals[signal as usize];
         let device = &self.devices[signal.device];
-        format!("{}-{}-{}", self.groups[device.group].name, device.name, signal.name)
+        [&self.groups[device.group].name, "-", &device.name, "-", &signal.name]
     }
 
     /// `Group1-Device2`.

@@ -211,6 +211,14 @@ pub fn from_batches(
 ) -> Option<Vec<Rule>> {
     let mut names = Names::of(plant);
     let mut rules: Vec<Rule> = Vec::new();
+    // Clusters of the last rule, which may still get more.
+    let mut clusters: Vec<TimeCluster> = Vec::new();
+    let close = |rules: &mut Vec<Rule>, clusters: &mut Vec<TimeCluster>| {
+        if let Some(rule) = rules.last_mut() {
+            rule.clusters = clusters.as_slice().into();
+        }
+        clusters.clear();
+    };
     for batch in batches {
         let batch = batch.ok()?;
         let table = Table::of(&batch)?;
@@ -221,30 +229,35 @@ pub fn from_batches(
                 Some(last)
                     if last.chain == chain && last.current == current && last.next == next =>
                 {
-                    last.clusters.extend(cluster);
+                    clusters.extend(cluster);
                 }
-                _ => rules.push(Rule {
-                    chain,
-                    current,
-                    next,
-                    count: count(table.count, row)?,
-                    uncounted: count(table.uncounted, row)?,
-                    probability: real(table.probability, row)?,
-                    sequence: count(table.sequence, row)?,
-                    position: u32::try_from(whole(table.position, row)?).ok()?,
-                    dispersion: real(table.dispersion, row)?,
-                    clusters: cluster.into_iter().collect(),
-                    trigger: table.trigger(row, &names, states)?,
-                }),
+                _ => {
+                    close(&mut rules, &mut clusters);
+                    clusters.extend(cluster);
+                    rules.push(Rule {
+                        chain,
+                        current,
+                        next,
+                        count: count(table.count, row)?,
+                        uncounted: count(table.uncounted, row)?,
+                        probability: real(table.probability, row)?,
+                        sequence: count(table.sequence, row)?,
+                        position: u32::try_from(whole(table.position, row)?).ok()?,
+                        dispersion: real(table.dispersion, row)?,
+                        clusters: Box::default(),
+                        trigger: table.trigger(row, &names, states)?.map(Box::new),
+                    });
+                }
             }
         }
     }
+    close(&mut rules, &mut clusters);
     Some(rules)
 }
 
 /// Chains and states by name.
 struct Names<'a> {
-    states: StateNames,
+    states: StateNames<'a>,
     groups: HashMap<&'a str, ChainIndex>,
     devices: HashMap<(&'a str, &'a str), ChainIndex>,
     /// The state of the last row's `current` by its name: a state's rules lie side by side.

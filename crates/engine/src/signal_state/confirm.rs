@@ -103,7 +103,7 @@ fn add_path(
             sequence,
             position,
             dispersion: 1.0,
-            clusters: Vec::new(),
+            clusters: Box::default(),
             trigger: None,
         });
         sequence += 1;

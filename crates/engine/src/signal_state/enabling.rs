@@ -22,7 +22,7 @@ pub struct Trigger {
     /// The enabling state, and the other one of a join: the delay runs from the later of the two.
     pub states: [StateId; 2],
     /// Delays from the enabling event.
-    pub clusters: Vec<TimeCluster>,
+    pub clusters: Box<[TimeCluster]>,
 }
 
 impl Trigger {
@@ -230,7 +230,7 @@ impl<'a> Search<'a> {
             })
             .map(|(_, delays, states)| Trigger {
                 states,
-                clusters: optimal::cluster(&delays, self.resolution_s),
+                clusters: optimal::cluster(&delays, self.resolution_s).into(),
             })
     }
 

@@ -130,8 +130,9 @@ pub struct Checked {
 /// What all monitors of a model share.
 #[derive(Debug)]
 struct Layout {
-    /// Per rule: its lane.
+    /// Per rule: its lane; and back.
     lane_of: Vec<u32>,
+    rule_of: Vec<u32>,
     links: Vec<Links>,
     /// The states that enable rules which wait for another event.
     triggers: Vec<[StateId; 2]>,
@@ -168,6 +169,7 @@ impl Lanes {
         let states = model.states.len();
         let mut layout = Layout {
             lane_of: vec![NONE; model.rules.len()],
+            rule_of: Vec::new(),
             links: Vec::new(),
             triggers: Vec::new(),
             tracked: Vec::new(),
@@ -231,6 +233,10 @@ impl Lanes {
             }
         }
         lanes.shrink_to_fit();
+        layout.rule_of = vec![NONE; lanes.len()];
+        for (rule, &lane) in (0..).zip(&layout.lane_of) {
+            layout.rule_of[lane as usize] = rule;
+        }
         more.shrink_to_fit();
         layout.tracked.sort_unstable();
         layout.tracked.dedup();
@@ -338,6 +344,11 @@ impl Lanes {
     /// Counts a transition whose time means nothing.
     pub fn take_untimed(&mut self, lane: usize) {
         self.lanes[lane].count += 1;
+    }
+
+    /// The rule of a lane.
+    pub fn rule(&self, lane: usize) -> usize {
+        self.layout.rule_of[lane] as usize
     }
 
     /// How often a rule was taken since the last check.

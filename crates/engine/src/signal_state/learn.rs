@@ -401,8 +401,8 @@ fn rules(
             sequence: index as u64,
             position: position[transition.chain],
             dispersion: branch_dispersion[index],
-            clusters: cluster(&times, &sorted, parameters, resolution),
-            trigger,
+            clusters: cluster(&times, &sorted, parameters, resolution).into(),
+            trigger: trigger.map(Box::new),
         });
         position[transition.chain] += 1;
     }

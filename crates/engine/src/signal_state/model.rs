@@ -57,8 +57,9 @@ pub struct NominalModel {
     /// when the transition happens without a fresh one.
     pub(super) accepted_without: HashMap<usize, Vec<Accepted>>,
     symbols: OnceLock<SymbolIndex>,
-    /// Made for the first monitor; every one begins with a copy.
+    /// Made for the second monitor; from then on every one begins with a copy.
     lanes: OnceLock<Lanes>,
+    watched: OnceLock<()>,
 }
 
 /// "Learned from the longest nominal pause": this many times it.
@@ -73,12 +74,6 @@ impl NominalModel {
         learned: Learned,
         parameters: Parameters,
     ) -> Self {
-        for rule in &mut rules {
-            rule.clusters.shrink_to_fit();
-            if let Some(trigger) = &mut rule.trigger {
-                trigger.clusters.shrink_to_fit();
-            }
-        }
         rules.shrink_to_fit();
         let chains = Chains::of(&plant);
         let table = RuleTable::build(&mut rules, &chains, states.len());
@@ -106,6 +101,7 @@ impl NominalModel {
             accepted_without,
             symbols: OnceLock::new(),
             lanes: OnceLock::new(),
+            watched: OnceLock::new(),
         }
     }
 
@@ -199,6 +195,10 @@ impl NominalModel {
 
     /// Lanes on which nothing has been counted.
     pub(super) fn fresh_lanes(&self) -> Lanes {
+        // Most processes watch with one monitor: it need not pay for another's lanes.
+        if self.watched.set(()).is_ok() {
+            return Lanes::of(self);
+        }
         self.lanes.get_or_init(|| Lanes::of(self)).clone()
     }
 

@@ -26,7 +26,6 @@ use super::message;
 use super::model::NominalModel;
 use super::order::ScanOrder;
 use super::parameters::Timing;
-use super::rules::row_of;
 use super::snapshot::Snapshot;
 use super::states::{NO_STATE, StateId};
 
@@ -382,10 +381,10 @@ impl Monitor {
                 let in_time = if timed.as_learned {
                     self.lanes.take(lane, timed.took)
                 } else {
-                    self.take_without_trigger(lane, self.rule(kind, from.state, event.state), timed)
+                    self.take_without_trigger(lane, timed)
                 };
                 if !in_time {
-                    let rule = self.rule(kind, from.state, event.state);
+                    let rule = self.lanes.rule(lane);
                     self.report_time(chain, kind, rule, event.time, timed);
                 }
                 if self.watch.off_path[chain] {
@@ -398,12 +397,6 @@ impl Monitor {
         if kind == ChainKind::Group {
             self.close_cycle(chain, event.state, event.time);
         }
-    }
-
-    /// The rule of a transition that has a lane.
-    #[cold]
-    fn rule(&self, kind: ChainKind, current: StateId, next: StateId) -> usize {
-        self.model.table.find(row_of(current, kind), next).unwrap_or_default()
     }
 
     /// How long a transition took: since what enables it, or, where that has not happened afresh,
@@ -421,8 +414,8 @@ impl Monitor {
 
     /// A known transition that happened without its enabling event, judged by the device's own
     /// times.
-    fn take_without_trigger(&mut self, lane: usize, rule: usize, timed: Timed) -> bool {
-        let accepted = self.accepted(rule, timed);
+    fn take_without_trigger(&mut self, lane: usize, timed: Timed) -> bool {
+        let accepted = self.accepted(self.lanes.rule(lane), timed);
         let seconds = timed.seconds();
         let in_time = accepted.is_empty()
             || accepted.iter().any(|a| seconds >= a.early_s && seconds <= a.late_s);

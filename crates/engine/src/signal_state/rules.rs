@@ -29,9 +29,9 @@ pub struct Rule {
     /// Long-run variance of the branch, see [`super::dispersion`].
     pub dispersion: f64,
     /// Its times; empty where none was ever measured (a confirmed path).
-    pub clusters: Vec<TimeCluster>,
+    pub clusters: Box<[TimeCluster]>,
     /// What it really waits for, where that is not the device's own last event.
-    pub trigger: Option<Trigger>,
+    pub trigger: Option<Box<Trigger>>,
 }
 
 impl Rule {

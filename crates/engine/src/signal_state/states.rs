@@ -3,10 +3,12 @@
 //! The states of signal `s` at 0 and 1 are `2·s` and `2·s + 1`; other values of words get the
 //! numbers after those, in the order they are met. Names are looked up once, never while watching.
 
-use hashbrown::HashMap;
+use std::hash::BuildHasher;
+
+use hashbrown::{DefaultHashBuilder, HashMap, HashTable};
 
 use crate::log::SignalIndex;
-use crate::plant::{Plant, Signal};
+use crate::plant::Plant;
 
 /// Dense number of a signal-state.
 pub type StateId = u32;
@@ -93,14 +95,12 @@ fn push_value_suffix(name: &mut String, word: bool, value: i64) {
 
 /// `Group1-Device2-Signal2_ON`.
 pub fn full_state_name(plant: &Plant, signal: SignalIndex, value: i64) -> String {
-    let Signal { name, device, word, .. } = &plant.signals[signal as usize];
-    let device = &plant.devices[*device];
-    let group = &plant.groups[device.group].name;
-    let mut full = String::with_capacity(group.len() + device.name.len() + name.len() + 8);
-    for part in [group, "-", &device.name, "-", name] {
+    let parts = plant.name_parts(signal);
+    let mut full = String::with_capacity(parts.iter().map(|part| part.len()).sum::<usize>() + 8);
+    for part in parts {
         full.push_str(part);
     }
-    push_value_suffix(&mut full, *word, value);
+    push_value_suffix(&mut full, plant.signals[signal as usize].word, value);
     full
 }
 
@@ -114,16 +114,40 @@ pub fn short_state_name(plant: &Plant, signal: SignalIndex, value: i64) -> Strin
 }
 
 /// Finds signal and value by a full state name.
-pub struct StateNames {
-    signals: HashMap<String, SignalIndex>,
+pub struct StateNames<'a> {
+    plant: &'a Plant,
+    signals: HashTable<SignalIndex>,
+    hasher: DefaultHashBuilder,
 }
 
-impl StateNames {
+impl<'a> StateNames<'a> {
     /// Reads the names of a plant.
-    pub fn of(plant: &Plant) -> Self {
-        let signals =
-            (0..plant.signals.len() as SignalIndex).map(|s| (plant.full_name(s), s)).collect();
-        Self { signals }
+    pub fn of(plant: &'a Plant) -> Self {
+        let hasher = DefaultHashBuilder::default();
+        let mut hashes = Vec::with_capacity(plant.signals.len());
+        let mut name = String::new();
+        for signal in 0..plant.signals.len() as SignalIndex {
+            name.clear();
+            for part in plant.name_parts(signal) {
+                name.push_str(part);
+            }
+            hashes.push(hasher.hash_one(name.as_str()));
+        }
+        let mut signals = HashTable::with_capacity(hashes.len());
+        // Of two with one name, the last is found.
+        for (signal, &hash) in (0..hashes.len() as SignalIndex).zip(&hashes).rev() {
+            signals.insert_unique(hash, signal, |&other: &SignalIndex| hashes[other as usize]);
+        }
+        Self { plant, signals, hasher }
+    }
+
+    fn find(&self, name: &str) -> Option<SignalIndex> {
+        let is_it = |&signal: &SignalIndex| {
+            let parts = self.plant.name_parts(signal);
+            let rest = parts.into_iter().try_fold(name, |rest, part| rest.strip_prefix(part));
+            rest == Some("")
+        };
+        self.signals.find(self.hasher.hash_one(name), is_it).copied()
     }
 
     /// Signal and value of `Group1-Device2-Signal2_ON` or `…-STEP=12`; `None` for another plant's.
@@ -134,8 +158,8 @@ impl StateNames {
             .or_else(|| name.strip_suffix("_OFF").map(|signal| (signal, 0)));
         let word = || {
             let (signal, value) = name.rsplit_once('=')?;
-            Some((*self.signals.get(signal)?, value.parse().ok()?))
+            Some((self.find(signal)?, value.parse().ok()?))
         };
-        boolean.and_then(|(signal, value)| Some((*self.signals.get(signal)?, value))).or_else(word)
+        boolean.and_then(|(signal, value)| Some((self.find(signal)?, value))).or_else(word)
     }
 }
