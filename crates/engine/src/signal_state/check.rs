@@ -42,8 +42,8 @@ const OBSERVATIONS_AT_LEAST: u32 = 5;
 pub fn departures(model: &NominalModel, group: usize, lanes: &Lanes) -> Vec<Departure> {
     let mut found = Vec::new();
     for checked in lanes.checked(group) {
-        let rule = checked.rule as usize;
-        if checked.branches {
+        let rule = checked.rule();
+        if checked.branches() {
             found.extend(branch(model, rule, lanes));
         }
         if lanes.count(rule) == 0 {

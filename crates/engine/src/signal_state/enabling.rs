@@ -57,6 +57,8 @@ const TIGHT_RESOLUTIONS: f64 = 5.0;
 const TIGHT_SHARE: f64 = 0.01;
 /// Delays that agree within this are steady, at the most.
 const STEADY_AT_MOST_S: f64 = 1.0;
+/// Instances whose happenings are fetched ahead of their turn.
+const TOUCHED: usize = 16;
 /// Share of each tail of delays that may be outliers.
 const OUTLIERS: f64 = 0.01;
 
@@ -244,8 +246,10 @@ impl<'a> Search<'a> {
         voters: usize,
     ) -> Vec<Candidate> {
         self.meetings.clear();
+        let instance = |voter: usize| voter * instances.len() / voters;
+        self.touch((0..voters).map(|voter| instances[instance(voter)]));
         for voter in 0..voters {
-            let instance = voter * instances.len() / voters;
+            let instance = instance(voter);
             self.look_back(voter as u8, instances[instance], own_s[instance], (current, next));
         }
         let least = (PARTNER * voters as f64).ceil() as u8;
@@ -267,6 +271,26 @@ impl<'a> Search<'a> {
         }
         self.meetings = meetings;
         candidates
+    }
+
+    /// Reads what the voters will need. Each looks at another place of a long log; loads that do
+    /// not wait for one another share their latency.
+    fn touch(&self, voters: impl Iterator<Item = u32>) {
+        let mut places = [(0usize, 0usize); VOTERS];
+        for (place, index) in places.iter_mut().zip(voters) {
+            let group = self.group_of[self.happenings[index as usize].signal as usize];
+            *place = (group as usize, self.place[index as usize] as usize);
+        }
+        let mut touched = 0;
+        for (group, place) in places {
+            // Four events a cache line.
+            for back in [0, 4, 8] {
+                let passed =
+                    self.by_group.get(group).and_then(|g| g.get(place.saturating_sub(back)));
+                touched ^= passed.map_or(0, |passed| passed.state);
+            }
+        }
+        std::hint::black_box(touched);
     }
 
     /// One voter: what happened while its device waited, latest first, each state once.
@@ -334,7 +358,12 @@ impl<'a> Search<'a> {
         let mut cursors = [0usize; 2];
         let entries = self.entries(next);
         let mut entry = 0;
-        for (&index, &own) in instances.iter().zip(own_s) {
+        for (at, (&index, &own)) in instances.iter().zip(own_s).enumerate() {
+            if at % TOUCHED == 0 {
+                let ahead = &instances[at..instances.len().min(at + TOUCHED)];
+                let times = ahead.iter().map(|&index| self.happenings[index as usize].time);
+                std::hint::black_box(times.fold(0, |touched, time| touched ^ time));
+            }
             let here = self.happenings[index as usize];
             // Happenings are in order: all of the same time, and none that are later.
             let together = self.happenings[index as usize + 1..]

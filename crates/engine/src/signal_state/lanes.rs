@@ -118,13 +118,21 @@ pub struct Entered {
     pub starting: bool,
 }
 
-/// One rule as the periodic checks come to it.
+/// One rule as the periodic checks come to it: twice its number, and one more where it is the
+/// first of several out of its state.
 #[derive(Debug, Clone, Copy)]
-pub struct Checked {
+pub struct Checked(u32);
+
+impl Checked {
     /// The rule.
-    pub rule: u32,
+    pub fn rule(self) -> usize {
+        self.0 as usize / 2
+    }
+
     /// True where it is the first of several out of its state.
-    pub branches: bool,
+    pub fn branches(self) -> bool {
+        self.0 % 2 == 1
+    }
 }
 
 /// What all monitors of a model share.
@@ -373,7 +381,7 @@ impl Lanes {
     pub fn reset(&mut self, group: usize) {
         let layout = Arc::clone(&self.layout);
         for checked in layout.checked.get(group).into_iter().flatten() {
-            let lane = &mut self.lanes[layout.lane_of[checked.rule as usize] as usize];
+            let lane = &mut self.lanes[layout.lane_of[checked.rule()] as usize];
             (lane.count, lane.seen, lane.sum) = (0, 0, 0);
             for band in &mut self.more[others(lane)] {
                 band.seen = Seen::default();
@@ -453,10 +461,10 @@ fn checked(model: &NominalModel) -> Vec<Vec<Checked>> {
         let row = model.table.row(super::rules::row_of(rule.current, model.kind(rule.chain)));
         let first = row.clone().min_by_key(|&other| model.rules[other].sequence);
         groups[model.chains.group_of(rule.chain)]
-            .push(Checked { rule: index as u32, branches: row.len() > 1 && first == Some(index) });
+            .push(Checked(2 * index as u32 + u32::from(row.len() > 1 && first == Some(index))));
     }
     for group in &mut groups {
-        group.sort_by_key(|checked| model.rules[checked.rule as usize].sequence);
+        group.sort_by_key(|checked| model.rules[checked.rule()].sequence);
         group.shrink_to_fit();
     }
     groups

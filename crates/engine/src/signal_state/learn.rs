@@ -398,7 +398,7 @@ fn rules(
             count: transition.count,
             uncounted: transition.uncounted,
             probability: 0.0,
-            sequence: index as u64,
+            sequence: index as u32,
             position: position[transition.chain],
             dispersion: branch_dispersion[index],
             clusters: cluster(&times, &sorted, parameters, resolution).into(),

@@ -1,6 +1,5 @@
 //! The nominal model: what was learned, indexed for watching.
 
-use std::collections::HashMap;
 use std::sync::OnceLock;
 
 use serde::{Deserialize, Serialize};
@@ -53,9 +52,6 @@ pub struct NominalModel {
     pub(super) evidence: Evidence,
     pub(super) budget: Budget,
     tail: Tail,
-    /// For rules with an enabling event: accepted times since the device's own last event, for
-    /// when the transition happens without a fresh one.
-    pub(super) accepted_without: HashMap<usize, Vec<Accepted>>,
     symbols: OnceLock<SymbolIndex>,
     /// Made for the second monitor; from then on every one begins with a copy.
     lanes: OnceLock<Lanes>,
@@ -81,12 +77,6 @@ impl NominalModel {
         let evidence = Evidence::of(&rules, &chains, resolution_s);
         let budget = Budget::of(&parameters, &learned, &rules, &chains);
         let tail = Tail::new(budget.per_time);
-        let accepted_without = rules
-            .iter()
-            .enumerate()
-            .filter(|(_, rule)| rule.trigger.is_some())
-            .map(|(index, rule)| (index, limits::adaptive(&rule.clusters, tail, resolution_s)))
-            .collect();
         Self {
             plant,
             states,
@@ -98,7 +88,6 @@ impl NominalModel {
             evidence,
             budget,
             tail,
-            accepted_without,
             symbols: OnceLock::new(),
             lanes: OnceLock::new(),
             watched: OnceLock::new(),
@@ -180,6 +169,13 @@ impl NominalModel {
                 limits::adaptive(rule.judged(), self.tail, resolution_s)
             }
         }
+    }
+
+    /// Accepted times of a rule since the device's own last event: for a transition that happens
+    /// without its enabling one.
+    pub(super) fn accepted_without_trigger(&self, rule: usize) -> Vec<Accepted> {
+        let resolution_s = self.learned.resolution as f64 / SECOND as f64;
+        limits::adaptive(&self.rules[rule].clusters, self.tail, resolution_s)
     }
 
     /// Seconds after which a time is late, for the cluster that takes longest; `None` where no

@@ -8,7 +8,6 @@ mod paths;
 mod report;
 mod scan;
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -426,11 +425,11 @@ impl Monitor {
     }
 
     /// Accepted times of a rule: since its enabling event, or without one.
-    fn accepted(&self, rule: usize, timed: Timed) -> Cow<'_, [Accepted]> {
+    fn accepted(&self, rule: usize, timed: Timed) -> Vec<Accepted> {
         if timed.as_learned {
-            Cow::Owned(self.model.accepted(rule))
+            self.model.accepted(rule)
         } else {
-            Cow::Borrowed(self.model.accepted_without.get(&rule).map_or(&[], Vec::as_slice))
+            self.model.accepted_without_trigger(rule)
         }
     }
 

@@ -23,7 +23,7 @@ pub struct Rule {
     /// Share of the transitions out of `current`.
     pub probability: f64,
     /// Place in the order of first appearance over the whole plant: causes before effects.
-    pub sequence: u64,
+    pub sequence: u32,
     /// Place in the order of first appearance inside its chain.
     pub position: u32,
     /// Long-run variance of the branch, see [`super::dispersion`].

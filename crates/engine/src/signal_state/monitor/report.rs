@@ -36,7 +36,7 @@ impl Monitor {
     ) {
         let model = Arc::clone(&self.model);
         let seconds = timed.seconds();
-        let accepted = self.accepted(rule, timed).into_owned();
+        let accepted = self.accepted(rule, timed);
         let (found, limit_s) = match model.parameters.timing {
             Timing::Plat => {
                 let cluster = self.nearest_maximum(rule, seconds);
