@@ -72,7 +72,7 @@ pub struct Signal {
     pub word: bool,
     /// Free text from the symbol table.
     #[serde(default)]
-    pub description: String,
+    pub description: Box<str>,
 }
 
 /// Signals that operate one piece of equipment.
@@ -143,7 +143,7 @@ impl Plant {
                 device,
                 class: entry.and_then(|e| e.class).unwrap_or(guessed),
                 word: entry.is_some_and(|e| e.word),
-                description: entry.map(|e| e.description.clone()).unwrap_or_default(),
+                description: entry.map(|e| e.description.as_str().into()).unwrap_or_default(),
             });
         }
         plant

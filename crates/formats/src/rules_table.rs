@@ -166,7 +166,7 @@ fn push_row(
         Cell::Text(model.device_name(rule.chain)),
         Cell::Text(Some(&current)),
         Cell::Text(Some(&next)),
-        Cell::Whole(Some(rule.count as i64)),
+        Cell::Whole(Some(i64::from(rule.count))),
         Cell::Real(Some(rule.probability)),
         Cell::Whole(cluster.map(|(index, _)| index as i64)),
         of(|c| c.average_s),
@@ -182,7 +182,7 @@ fn push_row(
         Cell::Real(slowest.map(|c| c.maximum_s)),
         Cell::Real(trigger_limit),
         Cell::Text(trigger_times.as_deref()),
-        Cell::Whole(Some(rule.uncounted as i64)),
+        Cell::Whole(Some(i64::from(rule.uncounted))),
         Cell::Whole(Some(i64::from(rule.sequence))),
         Cell::Real(Some(rule.dispersion)),
         Cell::Whole(cluster.map(|(_, c)| c.instances as i64)),
@@ -238,11 +238,11 @@ pub fn from_batches(
                         chain,
                         current,
                         next,
-                        count: count(table.count, row)?,
-                        uncounted: count(table.uncounted, row)?,
+                        count: small(table.count, row)?,
+                        uncounted: small(table.uncounted, row)?,
                         probability: real(table.probability, row)?,
-                        sequence: u32::try_from(whole(table.sequence, row)?).ok()?,
-                        position: u32::try_from(whole(table.position, row)?).ok()?,
+                        sequence: small(table.sequence, row)?,
+                        position: small(table.position, row)?,
                         dispersion: real(table.dispersion, row)?,
                         clusters: Box::default(),
                         trigger: table.trigger(row, &names, states)?.map(Box::new),
@@ -329,6 +329,10 @@ fn whole(column: &Int64Array, row: usize) -> Option<i64> {
 
 fn real(column: &Float64Array, row: usize) -> Option<f64> {
     column.is_valid(row).then(|| column.value(row))
+}
+
+fn small(column: &Int64Array, row: usize) -> Option<u32> {
+    u32::try_from(whole(column, row)?).ok()
 }
 
 fn count(column: &Int64Array, row: usize) -> Option<u64> {

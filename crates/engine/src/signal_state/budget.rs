@@ -34,7 +34,7 @@ impl Budget {
     /// Splits the user's budget at the rates seen while learning.
     pub fn of(parameters: &Parameters, learned: &Learned, rules: &[Rule], chains: &Chains) -> Self {
         let days = (learned.duration as f64 / SECOND as f64 / DAY_S).max(1.0 / DAY_S);
-        let transitions = rules.iter().map(|rule| rule.count).sum::<u64>() as f64 / days;
+        let transitions = rules.iter().map(|rule| u64::from(rule.count)).sum::<u64>() as f64 / days;
         let checks = Comparisons::while_learning(learned, rules, chains);
         let per_day = |cycles: f64| cycles / f64::from(parameters.check_every) / days;
         let alarms = parameters.false_alarms_per_day;
@@ -63,7 +63,7 @@ impl Comparisons {
             let group = chains.group_of(rule.chain);
             let starts = rule.next == learned.group_start[group];
             if chains.kind(rule.chain) == ChainKind::Group && starts {
-                cycles[group] += rule.count;
+                cycles[group] += u64::from(rule.count);
             }
             let branches = rule.evidence() > 0 && rule.probability < 0.95;
             shares[group] += usize::from(branches) + usize::from(rule.judged().len() > 1);

@@ -68,7 +68,7 @@ fn branch(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure>
     if total == 0 {
         return None;
     }
-    let learned_total: u64 = row.clone().map(|r| model.rules[r].count).sum();
+    let learned_total: u64 = row.clone().map(|r| u64::from(model.rules[r].count)).sum();
     let share = |r: usize| f64::from(lanes.count(r)) / f64::from(total);
     let changed = row
         .clone()
@@ -106,7 +106,7 @@ fn times(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure> 
         share_changed(
             model,
             (seen.count, total),
-            (cluster.probability, model.rules[rule].count),
+            (cluster.probability, u64::from(model.rules[rule].count)),
             cluster.dispersion,
         )
     });

@@ -180,7 +180,7 @@ impl Evidence {
 /// Instances in clusters too small to be a usual time.
 fn rare_instances(rule: &Rule) -> u64 {
     let rare = rule.judged().iter().filter(|c| c.instances < BODY_INSTANCES);
-    rare.map(|c| c.instances).sum::<u64>().saturating_sub(rule.uncounted)
+    rare.map(|c| c.instances).sum::<u64>().saturating_sub(u64::from(rule.uncounted))
 }
 
 /// Unseen mass of every chain, shrunk towards that of all chains of its kind.

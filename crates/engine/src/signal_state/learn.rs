@@ -237,8 +237,8 @@ struct Found {
     chain: ChainIndex,
     current: StateId,
     next: StateId,
-    count: u64,
-    uncounted: u64,
+    count: u32,
+    uncounted: u32,
 }
 
 #[derive(Clone, Copy)]
@@ -292,7 +292,7 @@ fn walk(events: &[Happening], chains: &Chains, states: usize) -> Transitions {
             found.instances.push(Instance { rule, event: index, took });
         }
     }
-    let mut counts = vec![0u64; found.rules.len()];
+    let mut counts = vec![0u32; found.rules.len()];
     for instance in &found.instances {
         counts[instance.rule as usize] += 1;
     }
@@ -418,11 +418,11 @@ fn seconds(nanoseconds: Nanoseconds) -> f64 {
 pub(super) fn set_probabilities(rules: &mut [Rule], chains: &Chains) {
     let mut out = hashbrown::HashMap::<(ChainKind, StateId), u64>::new();
     for rule in rules.iter() {
-        *out.entry((chains.kind(rule.chain), rule.current)).or_default() += rule.count;
+        *out.entry((chains.kind(rule.chain), rule.current)).or_default() += u64::from(rule.count);
     }
     for rule in rules.iter_mut() {
         let total = out[&(chains.kind(rule.chain), rule.current)];
-        rule.probability = rule.count as f64 / total as f64;
+        rule.probability = f64::from(rule.count) / total as f64;
     }
 }
 

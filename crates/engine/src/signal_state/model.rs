@@ -151,7 +151,7 @@ impl NominalModel {
     /// no time is remarkable.
     pub fn limits_of(&self, rule: &Rule) -> Vec<(f64, f64)> {
         let row = super::rules::row_of(rule.current, self.kind(rule.chain));
-        self.table.find(row, rule.next).map_or_else(Vec::new, |index| {
+        self.table.find(&self.rules, row, rule.next).map_or_else(Vec::new, |index| {
             self.accepted(index).iter().map(|a| (a.early_s, a.late_s)).collect()
         })
     }
@@ -221,7 +221,7 @@ impl NominalModel {
         for rule in &self.rules {
             hash.update(&rule.current.to_le_bytes());
             hash.update(&rule.next.to_le_bytes());
-            hash.update(&rule.count.to_le_bytes());
+            hash.update(&u64::from(rule.count).to_le_bytes());
             hash.update(&(rule.judged().len() as u64).to_le_bytes());
         }
         hash.digest()

@@ -207,7 +207,11 @@ impl Monitor {
         let mut state = self.watch.here[chain].state;
         events.iter().all(|event| {
             let known = state == NO_STATE
-                || self.model.table.find(row_of(state, kind), event.state).is_some();
+                || self
+                    .model
+                    .table
+                    .find(&self.model.rules, row_of(state, kind), event.state)
+                    .is_some();
             state = event.state;
             known
         })
@@ -231,8 +235,8 @@ impl Monitor {
             let waits = (0..index).any(|earlier| {
                 !order.contains(&earlier) && self.signal_value(events[earlier].state).0 == signal
             });
-            let known =
-                state == NO_STATE || self.model.table.find(row_of(state, kind), next).is_some();
+            let known = state == NO_STATE
+                || self.model.table.find(&self.model.rules, row_of(state, kind), next).is_some();
             if order.contains(&index) || waits || !known {
                 continue;
             }
