@@ -96,11 +96,40 @@ struct Meeting {
     ago: Nanoseconds,
 }
 
+/// Bits of a packed meeting: the voter, and how long ago (137 s); the state has the rest.
+const VOTER_BITS: u32 = VOTERS.ilog2();
+const AGO_BITS: u32 = 37;
+
 impl Meeting {
-    /// By state, then by distance; one comparison.
-    fn key(&self) -> u128 {
-        let shifted = self.ago.cast_unsigned() ^ 1 << 63;
-        u128::from(self.state) << 64 | u128::from(shifted)
+    /// By state, then by distance, in one number; `None` for a wait that takes minutes.
+    fn pack(&self) -> Option<u64> {
+        let ago = u64::try_from(self.ago).ok().filter(|ago| ago >> AGO_BITS == 0)?;
+        let state = u64::from(self.state);
+        let key = (state << AGO_BITS | ago) << VOTER_BITS | u64::from(self.voter);
+        (state >> (64 - AGO_BITS - VOTER_BITS) == 0).then_some(key)
+    }
+
+    fn unpack(key: u64) -> Self {
+        let bits = |shift: u32, bits: u32| key >> shift & ((1 << bits) - 1);
+        Self {
+            state: (key >> (AGO_BITS + VOTER_BITS)) as StateId,
+            voter: bits(0, VOTER_BITS) as u8,
+            ago: bits(VOTER_BITS, AGO_BITS) as Nanoseconds,
+        }
+    }
+
+    /// Sorts by state, then by distance. Numbers sort several times faster than structures.
+    fn sort(meetings: &mut [Self], keys: &mut Vec<u64>) {
+        keys.clear();
+        keys.extend(meetings.iter().map_while(Self::pack));
+        if keys.len() < meetings.len() {
+            meetings.sort_unstable_by_key(|meeting| (meeting.state, meeting.ago));
+            return;
+        }
+        keys.sort_unstable();
+        for (meeting, &key) in meetings.iter_mut().zip(keys.iter()) {
+            *meeting = Self::unpack(key);
+        }
     }
 }
 
@@ -122,6 +151,7 @@ pub struct Search<'a> {
     seen_by: Vec<u32>,
     votes: Vec<u8>,
     meetings: Vec<Meeting>,
+    keys: Vec<u64>,
 }
 
 /// A candidate after the vote.
@@ -182,6 +212,7 @@ impl<'a> Search<'a> {
             seen_by: vec![NOBODY; states.len()],
             votes: vec![0; states.len()],
             meetings: Vec::new(),
+            keys: Vec::new(),
         }
     }
 
@@ -258,7 +289,7 @@ impl<'a> Search<'a> {
             self.seen_by[meeting.state as usize] = NOBODY;
         }
         meetings.retain(|m| self.votes[m.state as usize] >= least || m.state == current);
-        meetings.sort_unstable_by_key(Meeting::key);
+        Meeting::sort(&mut meetings, &mut self.keys);
         let mut candidates = Vec::new();
         for run in meetings.chunk_by(|a, b| a.state == b.state) {
             if self.may_enable(run[0].state, next, run)
@@ -486,6 +517,17 @@ mod tests {
     fn three_steady_times_leave_little() {
         let times = [1.0, 1.01, 1.02, 5.0, 5.01, 9.0, 9.02];
         assert!((residual_spread(&times) - 0.05).abs() < 1e-9);
+    }
+
+    #[test]
+    fn meetings_are_sorted_alike_packed_or_not() {
+        let met = |state, voter, ago| Meeting { state, voter, ago };
+        for far in [0, 1 << AGO_BITS] {
+            let mut meetings = [met(9, 1, 5 + far), met(2, 31, 7), met(9, 0, 0), met(2, 3, 6)];
+            Meeting::sort(&mut meetings, &mut Vec::new());
+            let sorted = meetings.map(|m| (m.state, m.voter, m.ago));
+            assert_eq!(sorted, [(2, 3, 6), (2, 31, 7), (9, 0, 0), (9, 1, 5 + far)]);
+        }
     }
 
     #[test]
