@@ -12,7 +12,7 @@ from runglight import _engine
 from runglight.configuration import Parameters
 from runglight.errors import InputError
 from runglight.findings.batch import Findings
-from runglight.log.changelog import Log
+from runglight.log.changelog import Log, arrow_table
 from runglight.log.symbols import read_symbols
 from runglight.strictly import convert
 
@@ -31,8 +31,8 @@ class Monitor:
 
     def observe(self, batch: Log | Any) -> Findings:
         """Takes changes in time order: a `Log`, or an Arrow table `time`, `signal`, `value`."""
-        log = batch if isinstance(batch, Log) else Log.from_arrow(batch, reorder_s=0.0)
-        return Findings(self._engine.observe(log.engine))
+        rows = batch.engine if isinstance(batch, Log) else arrow_table(batch)
+        return Findings(self._engine.observe(rows))
 
     def bind(self, signals: Sequence[str]) -> None:
         """Names what the indices of `observe_rows` and `observe_image` stand for, from now on."""

@@ -1,6 +1,5 @@
 //! `Monitor`: observe and advance.
 
-use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -15,6 +14,7 @@ use runglight_engine::signal_state::model::NominalModel;
 use runglight_engine::signal_state::monitor::{Monitor, MonitorError};
 
 use crate::change_log::PyChangeLog;
+use crate::contract::Dictionary;
 use crate::errors;
 use crate::findings::PyFindings;
 
@@ -23,33 +23,35 @@ type Columns<'py> =
     (PyReadonlyArray1<'py, i64>, PyReadonlyArray1<'py, u32>, PyReadonlyArray1<'py, i64>);
 
 /// Rows handed to the engine at once.
-const CHUNK_ROWS: usize = 1024;
+pub const CHUNK_ROWS: usize = 256;
 
 /// Watches one plant.
 #[pyclass(name = "Monitor", module = "runglight._engine")]
 pub struct PyMonitor {
-    monitor: Monitor,
-    signals: Arc<HashMap<String, SignalIndex>>,
+    pub(crate) monitor: Monitor,
+    pub(crate) model: Arc<NominalModel>,
+    pub(crate) dictionary: Dictionary,
     /// What the indices of [`PyMonitor::observe_rows`] stand for.
     bound: Vec<SignalIndex>,
 }
 
 impl PyMonitor {
     pub fn new(model: Arc<NominalModel>, state: Option<&[u8]>) -> Result<Self, MonitorError> {
-        let signals = (0..).zip(&model.plant.signals).map(|(i, s)| (s.symbol.clone(), i)).collect();
         let monitor = match state {
-            Some(bytes) => Monitor::restore(model, bytes)?,
-            None => Monitor::new(model),
+            Some(bytes) => Monitor::restore(Arc::clone(&model), bytes)?,
+            None => Monitor::new(Arc::clone(&model)),
         };
-        Ok(Self { monitor, signals: Arc::new(signals), bound: Vec::new() })
+        Ok(Self { monitor, model, dictionary: Dictionary::default(), bound: Vec::new() })
     }
 
     /// The engine's numbers of signals, by name.
     fn numbers(&mut self, signals: &[String]) -> Vec<SignalIndex> {
-        let known = Arc::clone(&self.signals);
+        let known =
+            self.model.symbols().find_all(&self.model.plant, signals.iter().map(String::as_str));
         signals
             .iter()
-            .map(|symbol| self.monitor.signal_index(symbol, known.get(symbol).copied()))
+            .zip(known)
+            .map(|(symbol, known)| self.monitor.signal_index(symbol, known))
             .collect()
     }
 
@@ -73,28 +75,31 @@ impl PyMonitor {
         Ok(rows)
     }
 
-    /// Rows up to each gap, the rows after it.
-    fn watch(&mut self, log: &ChangeLog) -> Result<Vec<Finding>, MonitorError> {
+    /// Rows up to each gap, the gap, the rows after it.
+    pub fn watch(&mut self, log: &ChangeLog) -> Result<Vec<Finding>, MonitorError> {
         let numbers = self.numbers(&log.signals);
         let mut findings = Vec::new();
         let mut start = 0;
         for gap in &log.gaps {
             let end = start + log.time[start..].partition_point(|&time| time < gap.end);
-            self.observe_range(log, start..end, &numbers, &mut findings)?;
+            self.take_range(log, start..end, &numbers)?;
             findings.extend(self.monitor.gap(gap.start, gap.end));
             start = end;
         }
-        self.observe_range(log, start..log.len(), &numbers, &mut findings)?;
+        self.take_range(log, start..log.len(), &numbers)?;
+        if findings.is_empty() {
+            return Ok(self.monitor.take_findings());
+        }
+        findings.extend(self.monitor.take_findings());
         Ok(findings)
     }
 
     /// Rows of a log in chunks that stay in the processor's cache.
-    fn observe_range(
+    fn take_range(
         &mut self,
         log: &ChangeLog,
         range: Range<usize>,
         numbers: &[SignalIndex],
-        findings: &mut Vec<Finding>,
     ) -> Result<(), MonitorError> {
         let mut chunk: Vec<Row> = Vec::with_capacity(CHUNK_ROWS);
         for start in range.clone().step_by(CHUNK_ROWS) {
@@ -109,7 +114,7 @@ impl PyMonitor {
                 signal: numbers[signal as usize],
                 value,
             }));
-            findings.extend(self.monitor.observe(&chunk)?);
+            self.monitor.take_rows(&chunk)?;
         }
         Ok(())
     }
@@ -153,15 +158,14 @@ impl PyMonitor {
         let findings = match batch.cast::<PyChangeLog>() {
             Ok(log) => {
                 let log = log.get();
-                py.detach(|| self.watch(&log.log))
+                py.detach(|| self.watch(&log.log)).map_err(errors::input)?
             }
             Err(_) => {
-                let reader: PyRecordBatchReader = batch.extract()?;
-                let log = PyChangeLog::from_stream(py, reader, 0.0)?;
-                py.detach(|| self.watch(&log))
+                let reader = batch.extract::<PyRecordBatchReader>()?.into_reader()?;
+                py.detach(|| self.watch_stream(reader))?
             }
         };
-        Ok(PyFindings { findings: findings.map_err(errors::input)? })
+        Ok(PyFindings { findings })
     }
 
     fn gap(&mut self, start_ns: i64, end_ns: i64) -> PyFindings {

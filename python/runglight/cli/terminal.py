@@ -6,14 +6,13 @@ import sys
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, TextIO
 
-from rich.console import Console
-from rich.text import Text
-
 from runglight import environment
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    # rich is loaded where something is drawn: a program that reads JSON lines need not wait for it.
+    from rich.console import Console
     from rich.status import Status
 
 WIDTH_WITHOUT_TERMINAL = 140
@@ -21,6 +20,8 @@ WIDTH_WITHOUT_TERMINAL = 140
 
 def console_for(stream: TextIO) -> Console:
     """A console on a stream; wide where no terminal sets the width."""
+    from rich.console import Console  # noqa: PLC0415
+
     width = None if stream.isatty() else environment.columns(WIDTH_WITHOUT_TERMINAL)
     return Console(file=stream, width=width, highlight=False, soft_wrap=False)
 
@@ -41,6 +42,8 @@ def working(doing: str) -> Iterator[None]:
     if not _watched():
         yield
         return
+    from rich.console import Console  # noqa: PLC0415
+
     with Console(file=sys.stderr).status(doing):
         yield
 
@@ -51,6 +54,7 @@ def progressing(doing: str, total: int) -> Iterator[Callable[[int], None]]:
     if not _watched():
         yield lambda _done: None
         return
+    from rich.console import Console  # noqa: PLC0415
     from rich.progress import Progress  # noqa: PLC0415
 
     with Progress(console=Console(file=sys.stderr), transient=True) as progress:
@@ -67,6 +71,8 @@ class Report:
     def show(self, line: str) -> None:
         """From now on the line reads so."""
         if self._status is not None:
+            from rich.text import Text  # noqa: PLC0415
+
             self._status.update(Text(line))
 
     @contextmanager
@@ -85,6 +91,8 @@ def reporting() -> Iterator[Report]:
     if not _watched():
         yield Report(None)
         return
+    from rich.console import Console  # noqa: PLC0415
+
     with Console(file=sys.stderr).status("") as status:
         yield Report(status)
 

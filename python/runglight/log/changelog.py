@@ -45,12 +45,7 @@ class Log:
     @classmethod
     def from_arrow(cls, table: Any, *, reorder_s: float = 1.0) -> Log:
         """From a pyarrow, polars or pandas (2.2 or newer) table: `time`, `signal`, `value`."""
-        if not hasattr(table, "__arrow_c_stream__"):
-            raise InputError(
-                f"a {type(table).__name__} is no Arrow table: pass a pyarrow or polars table, "
-                "or a pandas (2.2 or newer) data frame"
-            )
-        return cls(_engine.ChangeLog.from_arrow(table, reorder_s))
+        return cls(_engine.ChangeLog.from_arrow(arrow_table(table), reorder_s))
 
     @classmethod
     def from_columns(
@@ -177,6 +172,16 @@ def read_log_with(path: str | PathLike[str] | None, options: ReadOptions) -> Log
 
         return read_recording(text)
     return Log(_engine.read_log(text, options.to_json()), text)
+
+
+def arrow_table(table: Any) -> Any:
+    """The table itself. InputError where it does not speak Arrow."""
+    if not hasattr(table, "__arrow_c_stream__"):
+        raise InputError(
+            f"a {type(table).__name__} is no Arrow table: pass a pyarrow or polars table, "
+            "or a pandas (2.2 or newer) data frame"
+        )
+    return table
 
 
 def _read_table(options: ReadOptions) -> Log:

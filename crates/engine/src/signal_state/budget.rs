@@ -52,7 +52,7 @@ impl Budget {
     ) -> Self {
         let chains = names.chains;
         let days = (learned.duration as f64 / SECOND as f64 / DAY_S).max(1.0 / DAY_S);
-        let transitions = rules.iter().map(|rule| rule.count).sum::<u64>() as f64 / days;
+        let transitions = rules.iter().map(|rule| u64::from(rule.count)).sum::<u64>() as f64 / days;
         let checks = Comparisons::while_learning(learned, rules, chains);
         let per_day = |cycles: f64| cycles / f64::from(parameters.check_every) / days;
         let alarms = parameters.false_alarms_per_day;
@@ -63,7 +63,7 @@ impl Budget {
         let a_day = |count: u64| count as f64 / days;
         let leaving = table.rows().filter(|row| !row.is_empty()).map(|row| {
             let (chain, state) = (rules[row.start].chain, rules[row.start].current);
-            let count = rules[row].iter().map(|rule| rule.count).sum();
+            let count = rules[row].iter().map(|rule| u64::from(rule.count)).sum();
             Chance {
                 probability: evidence.unknown_transition(rules, table, names, (chain, state)),
                 a_day: a_day(count),
@@ -73,7 +73,7 @@ impl Budget {
         let timed = rules.iter().filter(|rule| chains.kind(rule.chain) == ChainKind::Device);
         let taking = timed.map(|rule| Chance {
             probability: evidence.any_odd_time(rule, names),
-            a_day: a_day(rule.count),
+            a_day: a_day(rule.count.into()),
         });
         Self {
             per_transition: surest(FOR_TRANSITIONS, leaving.collect()),
@@ -121,7 +121,7 @@ impl Comparisons {
             let group = chains.group_of(rule.chain);
             let starts = rule.next == learned.group_start[group];
             if chains.kind(rule.chain) == ChainKind::Group && starts {
-                cycles[group] += rule.count;
+                cycles[group] += u64::from(rule.count);
             }
             let branches = rule.evidence() > 0 && rule.probability < 0.95;
             shares[group] += usize::from(branches) + usize::from(rule.judged().len() > 1);
