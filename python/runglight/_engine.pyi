@@ -52,8 +52,9 @@ def log_from_columns(
     value: Any,
     signals: Sequence[str],
     scan_interval_ns: int | None = None,
+    gaps: Sequence[tuple[int, int]] = (),
 ) -> ChangeLog:
-    """From three numpy arrays (int64, uint32, int64) and the names the indices stand for."""
+    """From three numpy arrays (int64, uint32, int64), the names the indices stand for, and gaps (start, end) in nanoseconds."""
 
 def read_log(path: str, options_json: str = "{}") -> ChangeLog:
     """Reads CSV, Parquet, XES or VCD; options as in `runglight.log.ReadOptions`. Raises InputError."""
@@ -74,6 +75,15 @@ class Monitor:
 
     def observe(self, batch: Any) -> Findings:
         """Takes a ChangeLog (its gaps count as declared) or an Arrow table of changes in time order."""
+    def bind(self, signals: Sequence[str]) -> None:
+        """What the indices of the next two stand for, from now on; names are looked up here, once."""
+    def observe_rows(self, time_ns: Any, signal_index: Any, value: Any) -> Findings:
+        """Takes changes of bound signals: three numpy arrays (int64, uint32, int64), in time order."""
+    def observe_image(self, time_ns: Any, signal_index: Any, value: Any) -> Findings:
+        """Takes bound signals as they stand, after a start or a gap: nothing changed, so nothing is judged."""
+    @property
+    def now_ns(self) -> int | None:
+        """The newest time observed or advanced to; rows before it are refused."""
     def gap(self, start_ns: int, end_ns: int) -> Findings:
         """Nothing was recorded between two times: resynchronise instead of alarming."""
     def advance(self, now_ns: int) -> Findings:
@@ -111,6 +121,9 @@ class NominalModel:
         """`{created, format, timing, signals, devices, groups, rules, events, duration_s, scan_interval_s, unnamed: [...], group_list: [{group, start, devices: [{device, start, signals, rules}]}]}`."""
     def dot(self, group: str, device: str | None = None) -> str:
         """Graphviz text of one device's model, or of the group's where `device` is None."""
+    @property
+    def signals(self) -> list[str]:
+        """Names of the signals as the learned logs call them."""
     def symbols_csv(self) -> str:
         """The symbol table in force, as `symbols.csv`."""
     @property

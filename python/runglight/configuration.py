@@ -84,7 +84,7 @@ class Source(Struct, forbid_unknown_fields=True):
     """`[source]`: where the machine is."""
 
     url: str | None = None
-    """Log file (or, with a later version, live address) that `watch` reads if none is named."""
+    """Live address or log file that `watch` reads if none is named."""
     interval: str | None = None
     """Time between two scans: `10ms`."""
 
@@ -142,7 +142,44 @@ class Watch(Struct, forbid_unknown_fields=True):
     notices: bool = False
     """Show notices in the table too."""
     state: str | None = None
-    """File that keeps the monitor's state from one log to the next."""
+    """File that keeps the monitor's state from one log, or one start, to the next."""
+    checkpoint_every_s: Positive = 10.0
+    """Live: time between two writings of `state`."""
+    record: str | None = None
+    """Live: directory of the recording that is made meanwhile."""
+    store: str | None = None
+    """Live: database that findings are copied to: `postgresql://user@host/database`."""
+    duration: str | None = None
+    """Live: end after this time: `10m` (`--for`)."""
+
+
+class Notify(Struct, forbid_unknown_fields=True):
+    """`[notify]`: who is told of findings while live watching."""
+
+    publish: str | None = None
+    """MQTT broker and topic: `mqtt://host/topic` (`mqtts:` with TLS)."""
+    webhook: str | None = None
+    """Address that every finding is posted to as JSON."""
+
+
+class Server(Struct, forbid_unknown_fields=True):
+    """`[server]`: what runglight answers to others."""
+
+    metrics: str | None = None
+    """Live: `HOST:PORT` for Prometheus; a port alone is on loopback."""
+
+
+class Record(Struct, forbid_unknown_fields=True):
+    """`[record]`: where and how the machine is recorded."""
+
+    to: str | None = None
+    """Directory of the recording."""
+    camera: str | None = None
+    """Folder of images, camera device (`/dev/video0`) or address (`rtsp://HOST/STREAM`)."""
+    photo_interval: str = "1s"
+    """Time between two photos of a camera."""
+    reserve_mb: Annotated[float, Meta(ge=0)] = 100.0
+    """Recording stops before less than this is free on the disk."""
 
 
 class Show(Struct, forbid_unknown_fields=True):
@@ -162,7 +199,10 @@ class Configuration(Struct, forbid_unknown_fields=True):
     modes: Modes = field(default_factory=Modes)
     regions: Regions = field(default_factory=dict)
     cycle: Cycle = field(default_factory=Cycle)
+    record: Record = field(default_factory=Record)
     watch: Watch = field(default_factory=Watch)
+    notify: Notify = field(default_factory=Notify)
+    server: Server = field(default_factory=Server)
     show: Show = field(default_factory=Show)
 
     def cycle_json(self) -> str | None:
@@ -214,13 +254,20 @@ def load_configuration(path: Path | None = None) -> Configuration:
     # Paths in the file are seen from the file, not from where the command is run.
     for owner, key in (
         (configuration.symbols, "table"),
+        (configuration.record, "to"),
         (configuration.watch, "output"),
         (configuration.watch, "state"),
+        (configuration.watch, "record"),
     ):
         if (value := getattr(owner, key)) is not None:
             setattr(owner, key, str(path.parent / value))
     if configuration.log.sql is not None:
         configuration.log.sql = _seen_from(path.parent, configuration.log.sql)
+    if configuration.watch.store is not None:
+        configuration.watch.store = _seen_from(path.parent, configuration.watch.store)
+    camera = configuration.record.camera
+    if camera is not None and "://" not in camera:
+        configuration.record.camera = str(path.parent / camera)
     url = configuration.source.url
     if url is not None and "://" not in url and not url.startswith("replay:"):
         configuration.source.url = str(path.parent / url)

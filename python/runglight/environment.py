@@ -11,6 +11,12 @@ CI = "CI"
 COLUMNS = "COLUMNS"
 """Width of printed tables in characters, where standard output is not a terminal."""
 
+WEBHOOK_AUTHORIZATION = "RUNGLIGHT_WEBHOOK_AUTHORIZATION"
+"""Authorization header of every request to the webhook: `Bearer …`. Never in a file or address."""
+
+MQTT_PASSWORD = "RUNGLIGHT_MQTT_PASSWORD"
+"""Password for the broker that findings are published to."""
+
 # NO_COLOR and FORCE_COLOR are honoured by rich, PATH by the search for Graphviz.
 
 
@@ -22,6 +28,16 @@ def debug() -> bool:
 def unattended() -> bool:
     """True on a build server."""
     return os.environ.get(CI, "").lower() not in {"", "0", "false"}
+
+
+def webhook_authorization() -> str | None:
+    """Authorization header for the webhook."""
+    return os.environ.get(WEBHOOK_AUTHORIZATION) or None
+
+
+def mqtt_password() -> str | None:
+    """Password for the broker that findings are published to."""
+    return os.environ.get(MQTT_PASSWORD) or None
 
 
 def columns(default: int) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -13,7 +13,7 @@ from runglight.configuration import Cycle, Modes, Parameters, cycle_json
 from runglight.cycle_model import CycleModel
 from runglight.errors import InputError
 from runglight.findings.batch import Findings
-from runglight.log.changelog import Log
+from runglight.log.changelog import Log, arrow_table
 from runglight.log.symbols import read_symbols
 from runglight.strictly import convert
 
@@ -32,8 +32,28 @@ class Monitor:
 
     def observe(self, batch: Log | Any) -> Findings:
         """Takes changes in time order: a `Log`, or an Arrow table `time`, `signal`, `value`."""
-        log = batch if isinstance(batch, Log) else Log.from_arrow(batch, reorder_s=0.0)
-        return Findings(self._engine.observe(log.engine))
+        rows = batch.engine if isinstance(batch, Log) else arrow_table(batch)
+        return Findings(self._engine.observe(rows))
+
+    def bind(self, signals: Sequence[str]) -> None:
+        """Names what the indices of `observe_rows` and `observe_image` stand for, from now on."""
+        self._engine.bind(signals)
+
+    def observe_rows(self, time_ns: Any, signal_index: Any, value: Any) -> Findings:
+        """Takes changes of bound signals: numpy arrays (int64, uint32, int64) in time order.
+
+        The same as `observe`, without a look-up of names: for the small batches of a live source.
+        """
+        return Findings(self._engine.observe_rows(time_ns, signal_index, value))
+
+    def observe_image(self, time_ns: Any, signal_index: Any, value: Any) -> Findings:
+        """Takes bound signals as they stand after a start or a gap; nothing is judged by it."""
+        return Findings(self._engine.observe_image(time_ns, signal_index, value))
+
+    @property
+    def now_ns(self) -> int | None:
+        """The newest time observed or advanced to (nanoseconds since 1970); None at the start."""
+        return self._engine.now_ns
 
     def advance(self, now: datetime | int) -> Findings:
         """Time went on without a change (aware datetime, or nanoseconds since 1970): stalls."""
@@ -74,6 +94,11 @@ class NominalModel:
         """Groups, devices, signals, counts, and how the model was learned."""
         summary: dict[str, Any] = json.loads(self._engine.summary_json())
         return summary
+
+    @property
+    def signals(self) -> list[str]:
+        """Names of the signals, as the learned logs call them."""
+        return self._engine.signals
 
     def symbols(self) -> str:
         """The symbol table in force, as the text of a `symbols.csv`."""

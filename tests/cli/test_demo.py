@@ -10,12 +10,15 @@ def test_the_demo_names_the_fault_and_ends_by_itself(runglight: Command, tmp_pat
     shown = runglight("demo")
     assert shown.returncode == 0, shown.stderr
     told = " ".join(shown.stdout.split())
+    assert "modbus://127.0.0.1:" in told
+    assert "ms after the change in the PLC" in told
     assert "FAULT: TRANSITION" in told
     assert "Group1-PrtLDR" in told
     assert "PRT_CHK" in told
     assert "%IX" in told
     written = {path.name for path in (tmp_path / "demo-out").iterdir()}
     assert {"nominal.csv", "faulty.csv", "symbols.csv", "cell.model", "findings.jsonl"} <= written
+    assert {"nominal", "watched"} <= written
     assert {"Group1.dot", "Group1-PrtLDR.dot"} <= written
 
 
@@ -23,8 +26,11 @@ def test_the_commands_the_demo_ends_with_work(runglight: Command) -> None:
     shown = runglight("demo", "--to", "shown here", "--fault", "5")
     assert shown.returncode == 0, shown.stderr
     assert runglight("show", "shown here/cell.model", "--device", "PrtLDR").returncode == 0
-    watched = runglight("watch", "shown here/cell.model", "shown here/faulty.csv")
-    assert "Look first at Group1-PrtLDR" in " ".join(watched.stdout.split())
+    for log in ("faulty.csv", "watched"):
+        watched = runglight("watch", "shown here/cell.model", f"shown here/{log}")
+        assert "Look first at Group1-PrtLDR" in " ".join(watched.stdout.split())
+    assert runglight("simulate", "cell", "--log", "other.csv", "--fault", "5").returncode == 0
+    assert "Group1-PrtLDR" in runglight("watch", "shown here/cell.model", "other.csv").stdout
 
 
 def test_simulate_writes_log_labels_and_symbols(runglight: Command, tmp_path: Path) -> None:

@@ -31,6 +31,7 @@ LEARNING = (
     "--scan-interval",
     "--starting",
 )
+LIVE = ("--record", "--store", "--publish", "--webhook", "--metrics", "--for")
 INJECTION = (
     *("--faults", "--kinds", "--stuck", "--late", "--late-over", "--early", "--early-under"),
     *("--longest", "--stalls", "--stall-over", "--branch-shifts", "--time-shifts"),
@@ -44,7 +45,9 @@ INJECTION = (
         ("demo", ("--fault", "--to")),
         ("learn", ("--output", *LEARNING, *READER)),
         ("show", ("--device", "--group", "--format", "--output", "--config")),
-        ("watch", ("--format", "--output", "--fail-on", "--notices", "--state", *READER)),
+        ("init", ("--config",)),
+        ("check", ("--config", "--model")),
+        ("watch", ("--format", "--output", "--fail-on", "--notices", "--state", *LIVE, *READER)),
         ("confirm", ()),
         ("import", ("--to", *READER)),
         ("export", ("--to", *READER)),
@@ -77,6 +80,9 @@ def test_the_overview(runglight: Command) -> None:
         ]
         assert commands == [
             "demo",
+            "init",
+            "check",
+            "record",
             "learn",
             "show",
             "watch",

@@ -1,6 +1,8 @@
 """A soft PLC in virtual and in real time."""
 
 import asyncio
+import re
+from pathlib import Path
 
 import pytest
 from pymodbus.client import AsyncModbusTcpClient
@@ -87,3 +89,28 @@ def test_in_real_time_the_plant_works_although_nobody_reads() -> None:
                     await asyncio.sleep(0.01)
 
     asyncio.run(work())
+
+
+def test_faults_are_switched_on_while_it_serves() -> None:
+    async def work() -> None:
+        clock = VirtualClock(START_NS)
+        async with serve(RunningCell(START_NS), "s7://127.0.0.1:0", clock) as plc:
+            clock.advance_to(START_NS + 3600 * S)
+            plc.inject("forward-dead")
+            assert plc.labels() == ()
+            clock.advance_to(START_NS + 3900 * S)
+            (label,) = plc.labels()
+            assert START_NS + 3600 * S < label.time_ns < START_NS + 3800 * S
+            stopped = plc.change_count
+            clock.advance_to(START_NS + 7200 * S)
+            plc.look()
+            assert plc.change_count == stopped
+
+    asyncio.run(work())
+
+
+def test_the_guide_s_example_runs(capsys: pytest.CaptureFixture[str]) -> None:
+    guide = Path(__file__).parents[2] / "docs" / "guides" / "soft-plc.md"
+    (example,) = re.findall(r"```python\n(.*?)```", guide.read_text(encoding="utf-8"), re.DOTALL)
+    exec(compile(example, str(guide), "exec"), {})
+    assert "inputs=0-15&coils=0-12&names=openplc" in capsys.readouterr().out

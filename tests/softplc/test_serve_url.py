@@ -85,3 +85,28 @@ def test_a_signal_without_a_place_is_named() -> None:
     for address in ("40001", "%MW4.1", "%IX3", "Z1.0"):
         with pytest.raises(InputError, match=f"'{address}' is no address of a PLC"):
             start("s7://127.0.0.1:0", address)
+
+
+def test_it_listens_by_ipv6_and_by_name_too() -> None:
+    async def work(url: str) -> str:
+        async with serve(CountingPlant(0), url, Steered(0)) as plc:
+            host = plc.url.host
+            _, writer = await asyncio.open_connection(
+                "127.0.0.1" if host == "localhost" else host, plc.url.port
+            )
+            writer.close()
+            await writer.wait_closed()
+            return plc.tap_url
+
+    if socket.has_ipv6 and _has_ipv6_loopback():
+        assert asyncio.run(work("modbus://[::1]:0")).startswith("modbus://[::1]:")
+    assert asyncio.run(work("modbus://localhost:0")).startswith("modbus://localhost:")
+    assert asyncio.run(work("s7://localhost:0")).startswith("s7://localhost:")
+
+
+def _has_ipv6_loopback() -> bool:
+    try:
+        with socket.create_server(("::1", 0), family=socket.AF_INET6):
+            return True
+    except OSError:
+        return False

@@ -2,7 +2,8 @@
 
 import asyncio
 import time
-from collections.abc import Coroutine
+from collections.abc import AsyncIterator, Coroutine
+from contextlib import suppress
 from typing import TypeVar
 
 import pytest
@@ -116,6 +117,35 @@ def test_time_stands_still_while_somebody_who_takes_part_works() -> None:
     run(work())
 
 
+def test_an_iterator_awaited_in_a_new_task_each_time_is_waited_for_too() -> None:
+    """As watchers do: `asyncio.wait_for(anext(tap), …)`, beside a timer of their own."""
+
+    async def work() -> None:
+        clock = VirtualClock(0)
+
+        async def scans() -> AsyncIterator[int]:
+            await clock.sleep_until(0)  # from here on it takes part
+            await asyncio.to_thread(time.sleep, 0.02)  # it connects
+            for number in range(1, 201):
+                await clock.sleep_until(number * 1000)
+                await asyncio.to_thread(int)
+                yield clock.now_ns()
+
+        async def rare() -> None:
+            while True:
+                await clock.sleep_until(clock.now_ns() + 3_300)
+
+        timer = asyncio.create_task(rare())
+        tap, seen = scans(), []
+        with suppress(StopAsyncIteration):
+            while True:
+                seen.append(await asyncio.wait_for(anext(tap), 30))
+        timer.cancel()
+        assert seen == [number * 1000 for number in range(1, 201)]
+
+    run(work())
+
+
 def test_hold_stops_time_for_work_that_has_never_slept() -> None:
     async def work() -> None:
         clock = VirtualClock(0)
@@ -131,7 +161,7 @@ def test_hold_stops_time_for_work_that_has_never_slept() -> None:
 
 def test_waiting_for_what_only_time_can_bring_does_not_stop_it_for_ever() -> None:
     async def work() -> None:
-        clock, bell = VirtualClock(0), asyncio.Event()
+        clock, bell = VirtualClock(0, patience_s=0.05), asyncio.Event()
 
         async def ring() -> None:
             await clock.sleep_until(1000)

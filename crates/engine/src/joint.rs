@@ -26,6 +26,8 @@ pub struct JointMonitor {
     witnesses: Witnesses,
     fresh_for: Nanoseconds,
     now: Nanoseconds,
+    /// Findings of rows taken, until they are asked for.
+    found: Vec<Finding>,
 }
 
 /// What [`JointMonitor::save`] writes where there is a cycle machine.
@@ -50,6 +52,7 @@ impl JointMonitor {
             witnesses: Witnesses::default(),
             fresh_for,
             now: Nanoseconds::MIN,
+            found: Vec::new(),
         }
     }
 
@@ -68,6 +71,7 @@ impl JointMonitor {
             witnesses: Witnesses::default(),
             fresh_for: 0,
             now: Nanoseconds::MIN,
+            found: Vec::new(),
         })
     }
 
@@ -137,7 +141,11 @@ impl JointMonitor {
     pub fn observe(&mut self, rows: &[Row]) -> Result<Vec<Finding>, MonitorError> {
         let (signal_state, cycle) = match (&mut self.signal_state, &mut self.cycle) {
             (Some(signal_state), None) => return signal_state.observe(rows),
-            (None, Some(cycle)) => return cycle.observe(rows),
+            (None, Some(cycle)) => {
+                let findings = cycle.observe(rows)?;
+                self.now = rows.last().map_or(self.now, |row| self.now.max(row.time));
+                return Ok(findings);
+            }
             (None, None) => return Ok(Vec::new()),
             (Some(signal_state), Some(cycle)) => (signal_state, cycle),
         };
@@ -156,6 +164,55 @@ impl JointMonitor {
             findings.extend(signal_state.observe(reading)?);
         }
         Ok(self.placed(findings))
+    }
+
+    /// What [`Self::observe`] does, but for the findings: they wait for [`Self::take_findings`].
+    ///
+    /// # Errors
+    /// A row older than what has been seen.
+    pub fn take_rows(&mut self, rows: &[Row]) -> Result<(), MonitorError> {
+        match (&mut self.signal_state, &self.cycle) {
+            (Some(signal_state), None) => signal_state.take_rows(rows),
+            _ => {
+                let findings = self.observe(rows)?;
+                self.found.extend(findings);
+                Ok(())
+            }
+        }
+    }
+
+    /// All findings of rows taken and not asked for yet.
+    pub fn take_findings(&mut self) -> Vec<Finding> {
+        let mut findings = std::mem::take(&mut self.found);
+        if let Some(signal_state) = &mut self.signal_state {
+            findings.extend(signal_state.take_findings());
+        }
+        findings
+    }
+
+    /// Takes rows that say how signals stand, not that they changed.
+    ///
+    /// # Errors
+    /// A row older than what has been seen.
+    pub fn image(&mut self, rows: &[Row]) -> Result<Vec<Finding>, MonitorError> {
+        // A cycle machine reads its words from the first complete image, changed or not.
+        let mut findings = match &mut self.cycle {
+            Some(cycle) => cycle.observe(rows)?,
+            None => Vec::new(),
+        };
+        if let Some(signal_state) = &mut self.signal_state {
+            findings.extend(signal_state.image(rows)?);
+        }
+        self.now = rows.last().map_or(self.now, |row| self.now.max(row.time));
+        Ok(self.placed(findings))
+    }
+
+    /// The newest time that was observed or advanced to; None before the first.
+    pub fn now(&self) -> Option<Nanoseconds> {
+        match (&self.signal_state, &self.cycle) {
+            (Some(signal_state), None) => signal_state.now(),
+            _ => (self.now != Nanoseconds::MIN).then_some(self.now),
+        }
     }
 
     /// Time went on to `now` without a change.

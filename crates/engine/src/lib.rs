@@ -11,5 +11,6 @@ pub mod naming;
 pub mod plant;
 pub mod signal_state;
 pub mod stem;
+pub mod symbol_index;
 pub mod symbols;
 pub mod timing;

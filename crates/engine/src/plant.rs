@@ -72,7 +72,7 @@ pub struct Signal {
     pub word: bool,
     /// Free text from the symbol table.
     #[serde(default)]
-    pub description: String,
+    pub description: Box<str>,
 }
 
 /// Signals that operate one piece of equipment.
@@ -143,7 +143,7 @@ impl Plant {
                 device,
                 class: entry.and_then(|e| e.class).unwrap_or(guessed),
                 word: entry.is_some_and(|e| e.word),
-                description: entry.map(|e| e.description.clone()).unwrap_or_default(),
+                description: entry.map(|e| e.description.as_str().into()).unwrap_or_default(),
             });
         }
         plant
@@ -161,9 +161,14 @@ impl Plant {
 
     /// `Group1-Device2-Signal2`.
     pub fn full_name(&self, signal: SignalIndex) -> String {
+        self.name_parts(signal).concat()
+    }
+
+    /// What a full name is made of.
+    pub fn name_parts(&self, signal: SignalIndex) -> [&str; 5] {
         let signal = &self.signals[signal as usize];
         let device = &self.devices[signal.device];
-        format!("{}-{}-{}", self.groups[device.group].name, device.name, signal.name)
+        [&self.groups[device.group].name, "-", &device.name, "-", &signal.name]
     }
 
     /// `Group1-Device2`.

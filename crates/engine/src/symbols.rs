@@ -158,7 +158,7 @@ impl SymbolTable {
                 }
                 .to_owned(),
                 if signal.word { "INT" } else { "BOOL" }.to_owned(),
-                signal.description.clone(),
+                signal.description.to_string(),
             ]
         }));
         for row in rows {

@@ -2,8 +2,10 @@
 
 pub mod agglomerative;
 pub mod csk_means;
+pub mod extremes;
 pub mod limits;
 pub mod optimal;
+pub mod shape;
 
 use serde::{Deserialize, Serialize};
 

@@ -119,6 +119,42 @@ proptest! {
     }
 
     #[test]
+    fn saying_how_late_it_is_changes_nothing(
+        nominal in random_log(150),
+        watched in random_log(200),
+        hurry in prop::collection::vec(0i64..=1000, 200),
+        scan_ms in prop::option::of(1u32..2500),
+        stall_after_s in prop::sample::select(vec![0.5, 3.0, 180.0]),
+    ) {
+        let parameters = Parameters {
+            check_every: 2,
+            false_alarms_per_day: 1e6,
+            scan_interval_s: scan_ms.map(|ms| f64::from(ms) / 1000.0),
+            stall_after_s,
+            return_within_s: 5.0,
+            ..Parameters::default()
+        };
+        let Ok(model) = learn(&[nominal], &SymbolTable::default(), &parameters) else {
+            return Ok(());
+        };
+        let model = Arc::new(model);
+        let rows = rows_of(&watched);
+        let whole = watch_whole(&model, &rows);
+        let mut monitor = Monitor::new(Arc::clone(&model));
+        let mut live = Vec::new();
+        for (index, row) in rows.iter().enumerate() {
+            live.extend(monitor.observe(&[*row]).expect("rows in order"));
+            // Somewhere on the way to the next row, its own time included.
+            if let Some(next) = rows.get(index + 1).filter(|next| next.time > row.time) {
+                let way = (next.time - row.time) as i128 * i128::from(hurry[index]) / 1000;
+                live.extend(monitor.advance(row.time + way as i64));
+            }
+        }
+        live.extend(monitor.finish());
+        prop_assert_eq!(whole, live);
+    }
+
+    #[test]
     fn damaged_state_is_refused(at in 0usize..10_000, flip in 1u8..=255) {
         let model = model_of(&[steady(20, 500)], &Parameters::default());
         let mut monitor = Monitor::new(Arc::clone(&model));
@@ -192,6 +228,42 @@ fn a_stop_is_told_when_it_falls_due_and_when_it_ends() {
     let back = monitor.finish();
     assert_eq!((back[0].kind, back[0].state), (Kind::Stall, State::Returned));
     assert_eq!(back[0].id, stall[0].id);
+}
+
+#[test]
+fn an_image_is_no_event() {
+    let model = model_of(&[steady(50, 500)], &Parameters::default());
+    let rows = rows_of(&steady(20, 500));
+    let mut monitor = Monitor::new(model);
+    // Outputs are read a little after inputs, and may all be on.
+    let image = [Row { time: 0, signal: 0, value: 1 }, Row { time: MS, signal: 1, value: 1 }];
+    assert_eq!(monitor.image(&image), Ok(Vec::new()));
+    assert_eq!(monitor.now(), Some(MS));
+    // Y goes off after X: with X's step seen as an event, the image would be a fault by now.
+    assert_eq!(monitor.observe(&rows[2..]), Ok(Vec::new()));
+    let old = [Row { time: 0, signal: 0, value: 1 }];
+    assert!(matches!(monitor.image(&old), Err(MonitorError::Order { row: 1, .. })));
+    let unknown = monitor.image(&[Row { time: 60 * SECOND, signal: 6, value: 1 }]);
+    assert_eq!(unknown, Ok(Vec::new()));
+}
+
+#[test]
+fn a_machine_that_stopped_in_a_gap_is_told_once() {
+    let model = model_of(&[steady(50, 500)], &Parameters::default());
+    let rows = rows_of(&steady(10, 500));
+    let still = |time| [Row { time, signal: 0, value: 0 }, Row { time, signal: 1, value: 0 }];
+    let mut monitor = Monitor::new(model);
+    monitor.observe(&rows).expect("in order");
+    let (start, end) = (rows[39].time, rows[39].time + 1000 * SECOND);
+    assert_eq!(monitor.gap(start, end).len(), 1);
+    monitor.image(&still(end)).expect("in order");
+    // The time of the gap does not count.
+    assert_eq!(monitor.advance(end + 179 * SECOND), Vec::new());
+    let told = monitor.advance(end + 181 * SECOND);
+    assert_eq!(told.iter().map(|f| f.kind).collect::<Vec<_>>(), [Kind::Stall]);
+    assert_eq!(monitor.gap(end + 182 * SECOND, end + 183 * SECOND).len(), 1);
+    monitor.observe(&still(end + 183 * SECOND)).expect("in order");
+    assert_eq!(monitor.advance(end + 900 * SECOND), Vec::new());
 }
 
 #[test]

@@ -239,12 +239,13 @@ pub fn load(path: &Path) -> Result<(NominalModel, Option<CycleModel>, Provenance
     let manifest: Manifest = serde_json::from_slice(&text)
         .map_err(|error| damaged(format!("manifest.json: {error}")))?;
     drop(text);
-    let plant = Plant {
+    let mut plant = Plant {
         signals: manifest.signals,
         devices: manifest.devices,
         groups: manifest.groups,
         unplaced: manifest.unplaced,
     };
+    plant.signals.shrink_to_fit();
     check_plant(&plant, &manifest.word_states, &manifest.learned)
         .map_err(|problem| damaged(problem.to_owned()))?;
     manifest

@@ -9,12 +9,32 @@ use runglight_engine::log::SignalIndex;
 #[derive(Debug, Default)]
 pub(crate) struct SignalNames {
     names: Vec<String>,
-    /// The bytes each name was found as; they differ from the name in Latin-1 files.
-    raw: Vec<Box<[u8]>>,
+    raw: Raw,
     table: HashTable<SignalIndex>,
     hasher: DefaultHashBuilder,
     /// True once a name was no UTF-8 and was read as Latin-1.
     pub(crate) latin_1: bool,
+}
+
+/// The bytes each name was found as, side by side; they differ from the name in Latin-1 files.
+#[derive(Debug, Default)]
+struct Raw {
+    bytes: Vec<u8>,
+    ends: Vec<usize>,
+}
+
+impl Raw {
+    fn push(&mut self, name: &[u8]) {
+        self.bytes.extend_from_slice(name);
+        self.ends.push(self.bytes.len());
+    }
+
+    #[inline]
+    fn get(&self, index: SignalIndex) -> &[u8] {
+        let index = index as usize;
+        let start = index.checked_sub(1).map_or(0, |before| self.ends[before]);
+        &self.bytes[start..self.ends[index]]
+    }
 }
 
 impl SignalNames {
@@ -22,7 +42,7 @@ impl SignalNames {
     #[inline]
     pub(crate) fn intern(&mut self, name: &[u8]) -> SignalIndex {
         let hash = self.hasher.hash_one(name);
-        if let Some(&known) = self.table.find(hash, |&index| &*self.raw[index as usize] == name) {
+        if let Some(&known) = self.table.find(hash, |&index| self.raw.get(index) == name) {
             return known;
         }
         self.add(name, hash)
@@ -38,9 +58,9 @@ impl SignalNames {
                 decode_latin_1(name)
             }
         });
-        self.raw.push(name.into());
+        self.raw.push(name);
         let (raw, hasher) = (&self.raw, &self.hasher);
-        self.table.insert_unique(hash, index, |&index| hasher.hash_one(&*raw[index as usize]));
+        self.table.insert_unique(hash, index, |&index| hasher.hash_one(raw.get(index)));
         index
     }
 

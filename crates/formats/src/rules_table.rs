@@ -9,15 +9,16 @@ use std::sync::Arc;
 use arrow_array::builder::{Float64Builder, Int64Builder, StringBuilder};
 use arrow_array::cast::AsArray;
 use arrow_array::types::{Float64Type, Int64Type};
-use arrow_array::{Array, ArrayRef, RecordBatch};
+use arrow_array::{Array, ArrayRef, Float64Array, Int64Array, RecordBatch, StringArray};
 use arrow_schema::{ArrowError, DataType, Field, Schema, SchemaRef};
+use hashbrown::HashMap;
 
 use runglight_engine::plant::Plant;
-use runglight_engine::signal_state::chains::ChainKind;
+use runglight_engine::signal_state::chains::{ChainIndex, ChainKind};
 use runglight_engine::signal_state::enabling::Trigger;
 use runglight_engine::signal_state::model::NominalModel;
 use runglight_engine::signal_state::rules::Rule;
-use runglight_engine::signal_state::states::{NO_STATE, StateNames, States};
+use runglight_engine::signal_state::states::{NO_STATE, StateId, StateNames, States};
 use runglight_engine::timing::TimeCluster;
 
 const TEXT: [&str; 7] = ["model", "group", "device", "current", "next", "trigger", "trigger_times"];
@@ -165,7 +166,7 @@ fn push_row(
         Cell::Text(model.device_name(rule.chain)),
         Cell::Text(Some(&current)),
         Cell::Text(Some(&next)),
-        Cell::Whole(Some(rule.count as i64)),
+        Cell::Whole(Some(i64::from(rule.count))),
         Cell::Real(Some(rule.probability)),
         Cell::Whole(cluster.map(|(index, _)| index as i64)),
         of(|c| c.average_s),
@@ -181,8 +182,8 @@ fn push_row(
         Cell::Real(slowest.map(|c| c.maximum_s)),
         Cell::Real(trigger_limit),
         Cell::Text(trigger_times.as_deref()),
-        Cell::Whole(Some(rule.uncounted as i64)),
-        Cell::Whole(Some(rule.sequence as i64)),
+        Cell::Whole(Some(i64::from(rule.uncounted))),
+        Cell::Whole(Some(i64::from(rule.sequence))),
         Cell::Real(Some(rule.dispersion)),
         Cell::Whole(cluster.map(|(_, c)| c.instances as i64)),
         of(|c| c.deviation_s),
@@ -208,109 +209,217 @@ pub fn from_batches(
     plant: &Plant,
     states: &mut States,
 ) -> Option<Vec<Rule>> {
-    let names = StateNames::of(plant);
+    let mut names = Names::of(plant);
     let mut rules: Vec<Rule> = Vec::new();
+    // Clusters of the last rule, which may still get more.
+    let mut clusters: Vec<TimeCluster> = Vec::new();
+    let close = |rules: &mut Vec<Rule>, clusters: &mut Vec<TimeCluster>| {
+        if let Some(rule) = rules.last_mut() {
+            rule.clusters = clusters.as_slice().into();
+        }
+        clusters.clear();
+    };
     for batch in batches {
-        let batch = &batch.ok()?;
-        let table = Table { batch };
+        let batch = batch.ok()?;
+        let table = Table::of(&batch)?;
         for row in 0..batch.num_rows() {
-            let rule = table.rule(row, plant, &names, states)?;
+            let (chain, current, next) = table.transition(row, &mut names, states)?;
+            let cluster = table.cluster(row)?;
             match rules.last_mut() {
                 Some(last)
-                    if last.chain == rule.chain
-                        && last.current == rule.current
-                        && last.next == rule.next =>
+                    if last.chain == chain && last.current == current && last.next == next =>
                 {
-                    last.clusters.extend(rule.clusters);
+                    clusters.extend(cluster);
                 }
-                _ => rules.push(rule),
+                _ => {
+                    close(&mut rules, &mut clusters);
+                    clusters.extend(cluster);
+                    rules.push(Rule {
+                        chain,
+                        current,
+                        next,
+                        count: small(table.count, row)?,
+                        uncounted: small(table.uncounted, row)?,
+                        probability: real(table.probability, row)?,
+                        sequence: small(table.sequence, row)?,
+                        position: small(table.position, row)?,
+                        dispersion: real(table.dispersion, row)?,
+                        clusters: Box::default(),
+                        trigger: table.trigger(row, &names, states)?.map(Box::new),
+                    });
+                }
             }
         }
     }
+    close(&mut rules, &mut clusters);
     Some(rules)
 }
 
-struct Table<'a> {
-    batch: &'a RecordBatch,
+/// Chains and states by name.
+struct Names<'a> {
+    states: StateNames<'a>,
+    groups: HashMap<&'a str, ChainIndex>,
+    devices: HashMap<(&'a str, &'a str), ChainIndex>,
+    /// The state of the last row's `current` by its name: a state's rules lie side by side.
+    last: (String, StateId),
 }
 
-impl Table<'_> {
-    fn text(&self, name: &str, row: usize) -> Option<&str> {
-        let column = self.batch.column_by_name(name)?.as_string_opt::<i32>()?;
-        column.is_valid(row).then(|| column.value(row))
+impl<'a> Names<'a> {
+    fn of(plant: &'a Plant) -> Self {
+        let group = |index: usize| plant.groups[index].name.as_str();
+        let devices = plant.devices.iter().map(|device| (group(device.group), &*device.name));
+        let first = plant.devices.len();
+        Self {
+            states: StateNames::of(plant),
+            groups: (0..plant.groups.len()).map(|index| (group(index), first + index)).collect(),
+            devices: devices.zip(0..).collect(),
+            last: (String::new(), NO_STATE),
+        }
     }
 
-    fn whole(&self, name: &str, row: usize) -> Option<i64> {
-        let column = self.batch.column_by_name(name)?.as_primitive_opt::<Int64Type>()?;
-        column.is_valid(row).then(|| column.value(row))
+    fn state(&self, name: &str, states: &mut States) -> Option<StateId> {
+        let (signal, value) = self.states.parse(name)?;
+        Some(states.intern(signal, value))
     }
 
-    fn real(&self, name: &str, row: usize) -> Option<f64> {
-        let column = self.batch.column_by_name(name)?.as_primitive_opt::<Float64Type>()?;
-        column.is_valid(row).then(|| column.value(row))
+    fn current(&mut self, name: &str, states: &mut States) -> Option<StateId> {
+        if self.last.1 == NO_STATE || self.last.0 != name {
+            self.last.1 = self.state(name, states)?;
+            name.clone_into(&mut self.last.0);
+        }
+        Some(self.last.1)
+    }
+}
+
+/// The columns of a batch that are read back.
+struct Table<'a> {
+    model: &'a StringArray,
+    group: &'a StringArray,
+    device: &'a StringArray,
+    current: &'a StringArray,
+    next: &'a StringArray,
+    count: &'a Int64Array,
+    uncounted: &'a Int64Array,
+    probability: &'a Float64Array,
+    sequence: &'a Int64Array,
+    position: &'a Int64Array,
+    dispersion: &'a Float64Array,
+    trigger: &'a StringArray,
+    trigger_times: &'a StringArray,
+    cluster: &'a Int64Array,
+    instances: &'a Int64Array,
+    average_s: &'a Float64Array,
+    minimum_s: &'a Float64Array,
+    maximum_s: &'a Float64Array,
+    time_probability: &'a Float64Array,
+    deviation_s: &'a Float64Array,
+    late_scale_s: &'a Float64Array,
+    early_scale_s: &'a Float64Array,
+    tail_gini: &'a Float64Array,
+    cluster_dispersion: &'a Float64Array,
+}
+
+fn text(column: &StringArray, row: usize) -> Option<&str> {
+    column.is_valid(row).then(|| column.value(row))
+}
+
+fn whole(column: &Int64Array, row: usize) -> Option<i64> {
+    column.is_valid(row).then(|| column.value(row))
+}
+
+fn real(column: &Float64Array, row: usize) -> Option<f64> {
+    column.is_valid(row).then(|| column.value(row))
+}
+
+fn small(column: &Int64Array, row: usize) -> Option<u32> {
+    u32::try_from(whole(column, row)?).ok()
+}
+
+fn count(column: &Int64Array, row: usize) -> Option<u64> {
+    u64::try_from(whole(column, row)?).ok()
+}
+
+impl<'a> Table<'a> {
+    fn of(batch: &'a RecordBatch) -> Option<Self> {
+        let texts = |name: &str| batch.column_by_name(name)?.as_string_opt::<i32>();
+        let wholes = |name: &str| batch.column_by_name(name)?.as_primitive_opt::<Int64Type>();
+        let reals = |name: &str| batch.column_by_name(name)?.as_primitive_opt::<Float64Type>();
+        Some(Self {
+            model: texts("model")?,
+            group: texts("group")?,
+            device: texts("device")?,
+            current: texts("current")?,
+            next: texts("next")?,
+            count: wholes("count")?,
+            uncounted: wholes("uncounted")?,
+            probability: reals("transition_probability")?,
+            sequence: wholes("sequence")?,
+            position: wholes("position")?,
+            dispersion: reals("dispersion")?,
+            trigger: texts("trigger")?,
+            trigger_times: texts("trigger_times")?,
+            cluster: wholes("cluster")?,
+            instances: wholes("cluster_instances")?,
+            average_s: reals("average_s")?,
+            minimum_s: reals("minimum_s")?,
+            maximum_s: reals("maximum_s")?,
+            time_probability: reals("time_probability")?,
+            deviation_s: reals("deviation_s")?,
+            late_scale_s: reals("late_scale_s")?,
+            early_scale_s: reals("early_scale_s")?,
+            tail_gini: reals("tail_gini")?,
+            cluster_dispersion: reals("cluster_dispersion")?,
+        })
     }
 
-    fn count(&self, name: &str, row: usize) -> Option<u64> {
-        u64::try_from(self.whole(name, row)?).ok()
-    }
-
-    fn rule(
+    fn transition(
         &self,
         row: usize,
-        plant: &Plant,
-        names: &StateNames,
+        names: &mut Names<'_>,
         states: &mut States,
-    ) -> Option<Rule> {
-        let group = self.text("group", row)?;
-        let chain = match self.text("model", row)? {
-            "device" => plant.find_device(group, self.text("device", row)?)?,
-            "group" => plant.devices.len() + plant.find_group(group)?,
+    ) -> Option<(ChainIndex, StateId, StateId)> {
+        let group = text(self.group, row)?;
+        let chain = match text(self.model, row)? {
+            "device" => *names.devices.get(&(group, text(self.device, row)?))?,
+            "group" => *names.groups.get(group)?,
             _ => return None,
         };
-        let mut state = |column: &str| {
-            let (signal, value) = names.parse(self.text(column, row)?)?;
-            Some(states.intern(signal, value))
-        };
-        let (current, next) = (state("current")?, state("next")?);
-        let trigger = match self.text("trigger", row) {
-            None => None,
-            Some(name) => {
-                let mut enabling = [NO_STATE; 2];
-                for (place, name) in enabling.iter_mut().zip(name.split(BOTH)) {
-                    let (signal, value) = names.parse(name)?;
-                    *place = states.intern(signal, value);
-                }
-                let clusters = serde_json::from_str(self.text("trigger_times", row)?).ok()?;
-                Some(Trigger { states: enabling, clusters })
-            }
-        };
-        let clusters = match self.whole("cluster", row) {
-            None => Vec::new(),
-            Some(_) => vec![TimeCluster {
-                instances: self.count("cluster_instances", row)?,
-                average_s: self.real("average_s", row)?,
-                minimum_s: self.real("minimum_s", row)?,
-                maximum_s: self.real("maximum_s", row)?,
-                probability: self.real("time_probability", row)?,
-                deviation_s: self.real("deviation_s", row)?,
-                late_scale_s: self.real("late_scale_s", row)?,
-                early_scale_s: self.real("early_scale_s", row)?,
-                tail_gini: self.real("tail_gini", row)?,
-                dispersion: self.real("cluster_dispersion", row)?,
-            }],
-        };
-        Some(Rule {
-            chain,
-            current,
-            next,
-            count: self.count("count", row)?,
-            uncounted: self.count("uncounted", row)?,
-            probability: self.real("transition_probability", row)?,
-            sequence: self.count("sequence", row)?,
-            position: u32::try_from(self.whole("position", row)?).ok()?,
-            dispersion: self.real("dispersion", row)?,
-            clusters,
-            trigger,
-        })
+        let current = names.current(text(self.current, row)?, states)?;
+        Some((chain, current, names.state(text(self.next, row)?, states)?))
+    }
+
+    /// Outer `None`: what is there cannot be read.
+    fn trigger(
+        &self,
+        row: usize,
+        names: &Names<'_>,
+        states: &mut States,
+    ) -> Option<Option<Trigger>> {
+        let Some(name) = text(self.trigger, row) else { return Some(None) };
+        let mut enabling = [NO_STATE; 2];
+        for (place, name) in enabling.iter_mut().zip(name.split(BOTH)) {
+            *place = names.state(name, states)?;
+        }
+        let clusters = serde_json::from_str(text(self.trigger_times, row)?).ok()?;
+        Some(Some(Trigger { states: enabling, clusters }))
+    }
+
+    /// Outer `None`: what is there cannot be read.
+    fn cluster(&self, row: usize) -> Option<Option<TimeCluster>> {
+        if whole(self.cluster, row).is_none() {
+            return Some(None);
+        }
+        Some(Some(TimeCluster {
+            instances: count(self.instances, row)?,
+            average_s: real(self.average_s, row)?,
+            minimum_s: real(self.minimum_s, row)?,
+            maximum_s: real(self.maximum_s, row)?,
+            probability: real(self.time_probability, row)?,
+            deviation_s: real(self.deviation_s, row)?,
+            late_scale_s: real(self.late_scale_s, row)?,
+            early_scale_s: real(self.early_scale_s, row)?,
+            tail_gini: real(self.tail_gini, row)?,
+            dispersion: real(self.cluster_dispersion, row)?,
+        }))
     }
 }

@@ -7,7 +7,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 use pyo3_arrow::PyRecordBatchReader;
 
-use runglight_engine::log::{ChangeLog, SECOND};
+use runglight_engine::log::{ChangeLog, Gap, SECOND};
 use runglight_formats::{Format, ReadOptions};
 
 use crate::errors;
@@ -171,13 +171,14 @@ pub fn write_log(
 
 /// A log from three numpy arrays and the names the indices stand for.
 #[pyfunction]
-#[pyo3(signature = (time_ns, signal_index, value, signals, scan_interval_ns = None))]
+#[pyo3(signature = (time_ns, signal_index, value, signals, scan_interval_ns = None, gaps = Vec::new()))]
 pub fn log_from_columns(
     time_ns: PyReadonlyArray1<'_, i64>,
     signal_index: PyReadonlyArray1<'_, u32>,
     value: PyReadonlyArray1<'_, i64>,
     signals: Vec<String>,
     scan_interval_ns: Option<i64>,
+    gaps: Vec<(i64, i64)>,
 ) -> PyResult<PyChangeLog> {
     let mut log = ChangeLog {
         signals,
@@ -185,8 +186,18 @@ pub fn log_from_columns(
         signal: signal_index.as_array().to_vec(),
         value: value.as_array().to_vec(),
         scan_interval: scan_interval_ns,
-        gaps: Vec::new(),
+        gaps: in_order(gaps)?,
     };
     log.sort_within(0).map_err(errors::input)?;
     Ok(PyChangeLog::new(log))
+}
+
+/// Gaps by the time of the first row after them, as learning and watching walk through them.
+fn in_order(gaps: Vec<(i64, i64)>) -> PyResult<Vec<Gap>> {
+    if let Some((start, end)) = gaps.iter().find(|(start, end)| end < start) {
+        return Err(errors::input(format!("a gap ends at {end}, before it starts at {start}")));
+    }
+    let mut gaps: Vec<Gap> = gaps.into_iter().map(|(start, end)| Gap { start, end }).collect();
+    gaps.sort_by_key(|gap| (gap.end, gap.start));
+    Ok(gaps)
 }

@@ -1,6 +1,7 @@
 //! Python bindings of the runglight engine: Arrow in, Arrow out. The only crate that names `pyo3`.
 
 mod change_log;
+mod contract;
 mod cycle;
 mod errors;
 mod findings;

@@ -186,6 +186,11 @@ impl PyNominalModel {
         Ok(self.model.dot(self.chain(group, device)?))
     }
 
+    #[getter]
+    fn signals(&self) -> Vec<&str> {
+        self.model.plant.signals.iter().map(|signal| signal.symbol.as_str()).collect()
+    }
+
     fn symbols_csv(&self) -> String {
         SymbolTable::of_plant(&self.model.plant)
     }

@@ -4,6 +4,7 @@ use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
+use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3_arrow::PyRecordBatchReader;
 
@@ -16,17 +17,43 @@ use runglight_engine::signal_state::model::NominalModel;
 use runglight_engine::signal_state::monitor::MonitorError;
 
 use crate::change_log::PyChangeLog;
+use crate::contract::Dictionary;
 use crate::errors;
 use crate::findings::PyFindings;
 
+/// Times, signals and values as numpy hands them over.
+type Columns<'py> =
+    (PyReadonlyArray1<'py, i64>, PyReadonlyArray1<'py, u32>, PyReadonlyArray1<'py, i64>);
+
 /// Rows handed to the engine at once.
-const CHUNK_ROWS: usize = 1024;
+pub const CHUNK_ROWS: usize = 256;
 
 /// Watches one plant.
 #[pyclass(name = "Monitor", module = "runglight._engine")]
 pub struct PyMonitor {
-    monitor: JointMonitor,
-    signals: Arc<HashMap<String, SignalIndex>>,
+    pub(crate) monitor: JointMonitor,
+    pub(crate) naming: Naming,
+    pub(crate) dictionary: Dictionary,
+    /// What the indices of [`PyMonitor::observe_rows`] stand for.
+    bound: Vec<SignalIndex>,
+}
+
+/// Whose numbers stand for signals.
+pub enum Naming {
+    /// The plant's.
+    Plant(Arc<NominalModel>),
+    /// Those of the bits of a cycle machine that is watched alone.
+    Bits(HashMap<String, SignalIndex>),
+}
+
+impl Naming {
+    /// The number of each symbol, where it is known.
+    pub fn find_all<'a>(&self, symbols: impl Iterator<Item = &'a str>) -> Vec<Option<SignalIndex>> {
+        match self {
+            Self::Plant(model) => model.symbols().find_all(&model.plant, symbols),
+            Self::Bits(bits) => symbols.map(|symbol| bits.get(symbol).copied()).collect(),
+        }
+    }
 }
 
 impl PyMonitor {
@@ -35,47 +62,78 @@ impl PyMonitor {
         cycle: Option<Arc<CycleModel>>,
         state: Option<&[u8]>,
     ) -> Result<Self, MonitorError> {
-        let signals = (0..).zip(&model.plant.signals).map(|(i, s)| (s.symbol.clone(), i)).collect();
         let monitor = match state {
-            Some(bytes) => JointMonitor::restore(model, cycle, bytes)?,
-            None => JointMonitor::new(model, cycle),
+            Some(bytes) => JointMonitor::restore(Arc::clone(&model), cycle, bytes)?,
+            None => JointMonitor::new(Arc::clone(&model), cycle),
         };
-        Ok(Self { monitor, signals: Arc::new(signals) })
+        Ok(Self::with(monitor, Naming::Plant(model)))
     }
 
     /// The cycle machine alone.
     pub fn of_cycle(cycle: Arc<CycleModel>, state: Option<&[u8]>) -> Result<Self, MonitorError> {
-        let signals = (0..).zip(&cycle.bits).map(|(i, bit)| (bit.symbol.clone(), i)).collect();
-        Ok(Self { monitor: JointMonitor::of_cycle(cycle, state)?, signals: Arc::new(signals) })
+        let bits = (0..).zip(&cycle.bits).map(|(i, bit)| (bit.symbol.clone(), i)).collect();
+        Ok(Self::with(JointMonitor::of_cycle(cycle, state)?, Naming::Bits(bits)))
+    }
+
+    fn with(monitor: JointMonitor, naming: Naming) -> Self {
+        Self { monitor, naming, dictionary: Dictionary::default(), bound: Vec::new() }
+    }
+
+    /// The engine's numbers of signals, by name.
+    fn numbers(&mut self, signals: &[String]) -> Vec<SignalIndex> {
+        let known = self.naming.find_all(signals.iter().map(String::as_str));
+        signals
+            .iter()
+            .zip(known)
+            .map(|(symbol, known)| self.monitor.signal_index(symbol, known))
+            .collect()
+    }
+
+    /// Three columns as rows of bound signals.
+    fn rows(&self, columns: &Columns<'_>) -> PyResult<Vec<Row>> {
+        let (time, signal, value) =
+            (columns.0.as_array(), columns.1.as_array(), columns.2.as_array());
+        if time.len() != signal.len() || time.len() != value.len() {
+            return Err(errors::input("time, signal and value are not of one length"));
+        }
+        let mut rows = Vec::with_capacity(time.len());
+        for ((&time, &signal), &value) in time.iter().zip(signal).zip(value) {
+            let Some(&signal) = self.bound.get(signal as usize) else {
+                let bound = self.bound.len();
+                return Err(errors::input(format!(
+                    "signal index {signal} is not among the {bound} bound signals; bind them first"
+                )));
+            };
+            rows.push(Row { time, signal, value });
+        }
+        Ok(rows)
     }
 
     /// Rows up to each gap, the gap, the rows after it.
-    fn watch(&mut self, log: &ChangeLog) -> Result<Vec<Finding>, MonitorError> {
-        let signals = Arc::clone(&self.signals);
-        let numbers: Vec<SignalIndex> = log
-            .signals
-            .iter()
-            .map(|symbol| self.monitor.signal_index(symbol, signals.get(symbol).copied()))
-            .collect();
+    pub fn watch(&mut self, log: &ChangeLog) -> Result<Vec<Finding>, MonitorError> {
+        let numbers = self.numbers(&log.signals);
         let mut findings = Vec::new();
         let mut start = 0;
         for gap in &log.gaps {
             let end = start + log.time[start..].partition_point(|&time| time < gap.end);
-            self.observe_rows(log, start..end, &numbers, &mut findings)?;
+            self.take_range(log, start..end, &numbers)?;
             findings.extend(self.monitor.gap(gap.start, gap.end));
             start = end;
         }
-        self.observe_rows(log, start..log.len(), &numbers, &mut findings)?;
+        self.take_range(log, start..log.len(), &numbers)?;
+        if findings.is_empty() {
+            return Ok(self.monitor.take_findings());
+        }
+        findings.extend(self.monitor.take_findings());
         Ok(findings)
     }
 
     /// Rows of a log in chunks that stay in the processor's cache.
-    fn observe_rows(
+    fn take_range(
         &mut self,
         log: &ChangeLog,
         range: Range<usize>,
         numbers: &[SignalIndex],
-        findings: &mut Vec<Finding>,
     ) -> Result<(), MonitorError> {
         let mut chunk: Vec<Row> = Vec::with_capacity(CHUNK_ROWS);
         for start in range.clone().step_by(CHUNK_ROWS) {
@@ -90,7 +148,7 @@ impl PyMonitor {
                 signal: numbers[signal as usize],
                 value,
             }));
-            findings.extend(self.monitor.observe(&chunk)?);
+            self.monitor.take_rows(&chunk)?;
         }
         Ok(())
     }
@@ -98,19 +156,50 @@ impl PyMonitor {
 
 #[pymethods]
 impl PyMonitor {
+    fn bind(&mut self, signals: Vec<String>) {
+        self.bound = self.numbers(&signals);
+    }
+
+    fn observe_rows(
+        &mut self,
+        time_ns: PyReadonlyArray1<'_, i64>,
+        signal_index: PyReadonlyArray1<'_, u32>,
+        value: PyReadonlyArray1<'_, i64>,
+    ) -> PyResult<PyFindings> {
+        let rows = self.rows(&(time_ns, signal_index, value))?;
+        // A batch of a live source is a few rows: not worth letting another thread in.
+        let findings = self.monitor.observe(&rows).map_err(errors::input)?;
+        Ok(PyFindings { findings })
+    }
+
+    fn observe_image(
+        &mut self,
+        time_ns: PyReadonlyArray1<'_, i64>,
+        signal_index: PyReadonlyArray1<'_, u32>,
+        value: PyReadonlyArray1<'_, i64>,
+    ) -> PyResult<PyFindings> {
+        let rows = self.rows(&(time_ns, signal_index, value))?;
+        let findings = self.monitor.image(&rows).map_err(errors::input)?;
+        Ok(PyFindings { findings })
+    }
+
+    #[getter]
+    fn now_ns(&self) -> Option<i64> {
+        self.monitor.now()
+    }
+
     fn observe(&mut self, py: Python<'_>, batch: &Bound<'_, PyAny>) -> PyResult<PyFindings> {
         let findings = match batch.cast::<PyChangeLog>() {
             Ok(log) => {
                 let log = log.get();
-                py.detach(|| self.watch(&log.log))
+                py.detach(|| self.watch(&log.log)).map_err(errors::input)?
             }
             Err(_) => {
-                let reader: PyRecordBatchReader = batch.extract()?;
-                let log = PyChangeLog::from_stream(py, reader, 0.0)?;
-                py.detach(|| self.watch(&log))
+                let reader = batch.extract::<PyRecordBatchReader>()?.into_reader()?;
+                py.detach(|| self.watch_stream(reader))?
             }
         };
-        Ok(PyFindings { findings: findings.map_err(errors::input)? })
+        Ok(PyFindings { findings })
     }
 
     fn gap(&mut self, start_ns: i64, end_ns: i64) -> PyFindings {

@@ -29,6 +29,9 @@ def _version() -> str:
 # In the order in which one needs them. The sentences are those of the commands' own help.
 COMMANDS = {
     "demo": ("demo:demo", "Break a simulated machine and have the fault named."),
+    "init": ("init:init", "Write a commented configuration for a machine."),
+    "check": ("check:check", "Say which signals of a machine answer."),
+    "record": ("record:record", "Record a live machine, so that nothing is lost."),
     "learn": ("learn:learn", "Learn what nominal looks like from fault-free logs."),
     "show": ("show:show", "Show what a model knows: devices, rules, drawings."),
     "watch": ("watch:watch", "Say what departs from the nominal model."),
@@ -52,6 +55,8 @@ def application(*, overview: bool = False) -> App:
         # No `--no-…` or `--empty-…` twins: one way to say one thing.
         default_parameter=Parameter(negative="", show_default=False),
         result_action="return_value",
+        # `main` says that a command was interrupted.
+        suppress_keyboard_interrupt=False,
     )
     for position, (command, (home, sentence)) in enumerate(COMMANDS.items()):
         app.command(

@@ -9,8 +9,8 @@ from pathlib import Path
 from rich.text import Text
 
 from runglight.cli import terminal
+from runglight.cli.counted import counted
 from runglight.cli.exit_codes import DONE
-from runglight.cli.model_tables import counted
 from runglight.errors import InputError
 from runglight.findings.finding import Finding, decode_finding
 from runglight.findings.schema import CONFIRMABLE_KINDS

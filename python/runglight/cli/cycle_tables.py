@@ -8,7 +8,8 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
-from runglight.cli.model_tables import counted, spoken_duration
+from runglight.cli.counted import counted
+from runglight.cli.model_tables import spoken_duration
 
 if TYPE_CHECKING:
     from rich.console import Console

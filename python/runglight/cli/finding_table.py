@@ -6,17 +6,16 @@ from collections import Counter
 from typing import TYPE_CHECKING
 
 import msgspec
-from rich import box
-from rich.table import Table
-from rich.text import Text
 
-from runglight.cli.model_tables import counted
+from runglight.cli.counted import counted
 from runglight.findings.schema import SEVERITIES
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
     from rich.console import Console
+    from rich.table import Table
+    from rich.text import Text
 
     from runglight.findings.finding import Finding
 
@@ -122,6 +121,11 @@ def expectation(finding: Finding) -> str:
 
 
 def _table(incidents: Sequence[Sequence[Finding]], width: int) -> Table:
+    # Loaded where a table is drawn: a program that reads JSON lines need not wait for it.
+    from rich import box  # noqa: PLC0415
+    from rich.table import Table  # noqa: PLC0415
+    from rich.text import Text  # noqa: PLC0415
+
     narrow = width < NARROW
     ids = [len(finding.id) for incident in incidents for finding in incident]
     table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
@@ -147,6 +151,8 @@ def _table(incidents: Sequence[Sequence[Finding]], width: int) -> Table:
 
 
 def _cells(finding: Finding, what: Text, *, narrow: bool) -> list[Text]:
+    from rich.text import Text  # noqa: PLC0415
+
     severity = Text(finding.severity, STYLES.get(finding.severity, ""))
     if finding.state not in {"suspected", "confirmed"}:
         severity.append(f"\n{finding.state}", "dim")
@@ -180,4 +186,6 @@ def _seconds(value: float | None) -> str:
 
 
 def _say(console: Console, sentence: str, style: str = "") -> None:
+    from rich.text import Text  # noqa: PLC0415
+
     console.print(Text(sentence, style), soft_wrap=True)

@@ -6,14 +6,22 @@ from pathlib import Path
 
 from runglight.cli import terminal
 from runglight.cli.exit_codes import DONE
+from runglight.cli.import_directory import import_to_directory, is_directory
 from runglight.cli.reader_options import ReaderOptions, read
 from runglight.errors import InputError
 from runglight.log.changelog import FORMATS
 from runglight.log.symbols import names_by_address, read_symbols, renamed
+from runglight.quantities import duration_s
 
 
 def import_log(
-    source: str | None = None, /, *, to: Path, options: ReaderOptions | None = None
+    source: str | None = None,
+    /,
+    *,
+    to: Path,
+    follow: bool = False,
+    every: str = "5s",
+    options: ReaderOptions | None = None,
 ) -> int:
     """Turn any log into a change log.
 
@@ -21,15 +29,33 @@ def import_log(
     column is what, and writes one row per change. What could not be read is said, never left out
     in silence.
 
+    From a database it also fills a directory, piece by piece: a second run takes only what is new.
+    The directory is read wherever a log is.
+
     Parameters
     ----------
     source: str
         The log to read; none where `--sql` says what to read.
     to: Path
-        The file to write: `.csv`, `.parquet`, `.xes` or `.vcd`.
+        The file to write: `.csv`, `.parquet`, `.xes` or `.vcd`; or, with `--sql`, a directory.
+    follow: bool
+        Keep running, and take what is new in the table again and again.
+    every: str
+        How long to wait before asking for new rows.
 
     """
-    return convert_log(source, to, options or ReaderOptions())
+    chosen = options or ReaderOptions()
+    if source is None and is_directory(to):
+        every_s = duration_s(every, "--every")
+        if every_s < 0.01:
+            raise InputError(f"--every: {every!r} is too often; write at least 10 ms")
+        return import_to_directory(to, chosen, every_s if follow else None)
+    if follow:
+        raise InputError(
+            "--follow: takes a table piece by piece into a directory; "
+            "say --sql URL and name a directory in --to"
+        )
+    return convert_log(source, to, chosen)
 
 
 def convert_log(source: str | None, to: Path, options: ReaderOptions) -> int:

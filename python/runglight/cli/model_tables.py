@@ -8,6 +8,7 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from runglight.cli.counted import counted
 from runglight.findings.finding import full_name
 
 if TYPE_CHECKING:
@@ -112,11 +113,6 @@ def _waits_for(row: dict[str, Any]) -> Text:
     """`DCHA-ADV_ON + 0.02`, the later of two where it waits for both."""
     states = row["trigger"].replace(f"{row['group']}-", "")
     return Text(f"{states} + {row['trigger_average_s']:.2f}")
-
-
-def counted(number: int, noun: str) -> str:
-    """`1 device`, `1,620 devices`."""
-    return f"{number:,} {noun}" if number == 1 else f"{number:,} {noun}s"
 
 
 def spoken_duration(seconds: float) -> str:

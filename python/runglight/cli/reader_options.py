@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
@@ -15,11 +16,10 @@ from runglight.errors import InputError
 from runglight.log.changelog import Log, read_log_with
 from runglight.log.options import ReadOptions
 from runglight.quantities import duration_s
+from runglight.taps import is_live
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-
-LIVE_SCHEMES = ("modbus", "s7", "opcua", "mqtt", "sparkplug", "replay")
 
 
 @Parameter(name="*", group="Reading logs")
@@ -117,12 +117,13 @@ def read(path: Path | str | None, options: ReadOptions) -> Log:
 
 
 def refuse_live(source: str) -> None:
-    """Live sources come with the taps of a later version; until then say so."""
-    scheme = source.partition(":")[0].lower()
-    if scheme in LIVE_SCHEMES and ("://" in source or scheme == "replay"):
+    """A live source is no log yet."""
+    if is_live(source):
+        # A path has lost one of the two slashes.
+        shown = re.sub(r"^(\w+):/(?=[^/])", r"\1://", source)
         raise InputError(
-            f"{source}: live sources come with the taps of a later version; "
-            "this one reads logs: CSV, Parquet, XES or VCD"
+            f"{shown}: this is a live source, and a log is needed here; "
+            "record it first: runglight record URL --to DIR"
         )
 
 

@@ -13,8 +13,8 @@ from rich.table import Table
 from rich.text import Text
 
 from runglight.cli import terminal
+from runglight.cli.counted import counted
 from runglight.cli.exit_codes import DONE
-from runglight.cli.model_tables import counted
 from runglight.cli.output import output
 from runglight.cli.simulate_faults import simulate_faults
 from runglight.errors import InputError

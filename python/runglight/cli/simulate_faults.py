@@ -13,9 +13,9 @@ from rich.table import Table
 from rich.text import Text
 
 from runglight.cli import terminal
+from runglight.cli.counted import counted
 from runglight.cli.exit_codes import DONE
 from runglight.cli.learn import LearningOptions, parameters_of, say_unnamed
-from runglight.cli.model_tables import counted
 from runglight.cli.output import output
 from runglight.cli.reader_options import ReaderOptions, read
 from runglight.errors import InputError

@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 from rich.text import Text
 
 from runglight.cli import terminal
+from runglight.cli.counted import counted
 from runglight.cli.exit_codes import DONE, INTERRUPTED
-from runglight.cli.model_tables import counted
 from runglight.cli.output import output
 from runglight.errors import InputError
 from runglight.quantities import duration_s
@@ -122,8 +122,10 @@ class _Session:
             try:
                 with terminal.reporting() as report:
                     while end_ns is None or clock.now_ns() < end_ns:
-                        self._glance(plc)
-                        report(self._status(plc))
+                        if news := self._news(plc):
+                            with report.paused():
+                                _say(*news)
+                        report.show(self._status(plc))
                         left_s = GLANCE_S if end_ns is None else (end_ns - clock.now_ns()) / 1e9
                         with suppress(TimeoutError):
                             await asyncio.wait_for(ended.wait(), max(min(GLANCE_S, left_s), 0))
@@ -131,7 +133,7 @@ class _Session:
                             return INTERRUPTED
             finally:
                 # Also when interrupted: what was broken is known, and kept.
-                self._glance(plc)
+                _say(*self._news(plc))
                 self._conclude(plc)
         return DONE
 
@@ -155,23 +157,26 @@ class _Session:
         if file is not None:
             from runglight.cli.simulate import labels_json  # noqa: PLC0415
 
-            labels = self._plant.labels()
+            labels = plc.labels()
             with output(file) as stream:
                 stream.write(labels_json(labels))
             _say(f"{file}: {counted(len(labels), 'fault')}")
 
-    def _glance(self, plc: SoftPlc) -> None:
-        """Brings the plant up to now, and tells what became of its faults."""
-        plc.look()
-        labels = self._plant.labels()
-        for label in labels[self._begun :]:
-            _say(f"{_utc(label.time_ns)} fault {label.number} begins: {label.description}")
-        self._begun = len(labels)
+    def _news(self, plc: SoftPlc) -> list[str]:
+        """Brings the plant up to now; what has become of its faults since the last call."""
+        labels = plc.labels()
+        news = [
+            f"{_utc(label.time_ns)} fault {label.number} begins: {label.description}"
+            for label in labels[self._begun :]
+        ]
         acting = self._plant.acting()
-        for fault in self._acting:
-            if fault not in acting:
-                _say(f"fault {fault.number} {fault.name} is over")
-        self._acting = acting
+        news += [
+            f"fault {fault.number} {fault.name} is over"
+            for fault in self._acting
+            if fault not in acting
+        ]
+        self._begun, self._acting = len(labels), acting
+        return news
 
     def _status(self, plc: SoftPlc) -> str:
         faults = ", ".join(f"{fault.number} {fault.name}" for fault in self._acting)
@@ -191,8 +196,9 @@ def _utc(time_ns: int) -> str:
     return f"{time:%Y-%m-%dT%H:%M:%S}.{time_ns // 1_000_000 % 1000:03}Z"
 
 
-def _say(sentence: str) -> None:
-    # At once, also into a pipe: whoever waits for the address reads it from there.
+def _say(*sentences: str) -> None:
     console = terminal.results()
-    console.print(Text(sentence), soft_wrap=True)
+    for sentence in sentences:
+        console.print(Text(sentence), soft_wrap=True)
+    # At once, also into a pipe: whoever waits for the address reads it from there.
     console.file.flush()

@@ -14,14 +14,17 @@ from cyclopts import Parameter
 from runglight.cli import terminal
 from runglight.cli.exit_codes import DONE, FINDINGS
 from runglight.cli.finding_table import print_findings, summary_line
+from runglight.cli.live_options import LiveOptions
 from runglight.cli.output import output as output_to
-from runglight.cli.reader_options import ReaderOptions, read, refuse_live
+from runglight.cli.reader_options import ReaderOptions, read
+from runglight.errors import InputError
 from runglight.findings import flat
 from runglight.findings.finding import Finding, decode_finding
 from runglight.findings.store import FindingStore
 from runglight.log.symbols import names_by_address, read_symbols, renamed
 from runglight.model import ROWS_AT_ONCE, load_model
 from runglight.replacing import replacing
+from runglight.taps import is_live
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -42,9 +45,11 @@ def watch(
     notices: bool | None = None,
     state: Path | None = None,
     options: ReaderOptions | None = None,
+    live: LiveOptions | None = None,
 ) -> int:
     """Say what departs from the nominal model: where, when, and what should have happened.
 
+    A live address is watched until Ctrl-C (or `--for`), and findings are told as they come.
     Findings are kept in the model directory, so that `runglight confirm` finds them.
 
     Parameters
@@ -52,23 +57,26 @@ def watch(
     model: Path
         Model directory written by `runglight learn`.
     source: str
-        The log to watch (default: what `--sql` names, else `[source] url` of the configuration).
+        The log or the live address to watch: `modbus://plc?inputs=0-63`, `replay:FILE?speed=10`
+        (default: what `--sql` names, else `[source] url` of the configuration).
     format: str
         `table` for people (default), `jsonl` for programs, `csv` for spreadsheets.
     output: Path
-        File to write instead of standard output.
+        File to write instead of standard output. Live findings are added to it as they come.
     fail_on: str
         Exit with code 1 where there is a fault (`anomaly`: a fault or an anomaly).
     notices: bool
         Show notices in the table too.
     state: Path
         Go on where the last log ended, and keep the state for the next one. The last scan stays
-        open until then.
+        open until then. Live, it is kept every ten seconds, and a gap stands between two starts.
 
     """
     options = options or ReaderOptions()
+    live = live or LiveOptions()
     configuration = options.configuration()
-    settings = _laid_over(
+    live.over(configuration)
+    settings = configuration.watch = _laid_over(
         configuration.watch,
         format=format,
         output=output,
@@ -81,9 +89,13 @@ def watch(
     [only] = options.sources(
         [] if source is None else [source], configuration.log, "what shall be watched?"
     )
-    if source is not None:
-        refuse_live(source)
     nominal = load_model(model)
+    if source is not None and is_live(source):
+        from runglight.cli.watch_live import watch_live  # noqa: PLC0415
+
+        return watch_live(model, nominal, source, configuration)
+    if (option := live.first_said()) is not None:
+        raise InputError(f"{option}: is for live sources, and {source or 'a table'} is a log")
     log = _named(read(only, configuration.log), nominal, configuration)
 
     started = time.perf_counter()

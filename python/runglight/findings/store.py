@@ -1,10 +1,14 @@
-"""Findings and snapshots on disk, beside the model: `MODEL/findings.sqlite`."""
+"""Findings and snapshots on disk, beside the model: `MODEL/findings.sqlite`.
+
+This is the truth of live watching: what is published or copied elsewhere is read from here, and
+`delivery` remembers how far each receiver has come.
+"""
 
 from __future__ import annotations
 
 import json
 import sqlite3
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from runglight.nearest import nearest
 
@@ -28,17 +32,38 @@ CREATE TABLE IF NOT EXISTS snapshot (
     id TEXT PRIMARY KEY ON CONFLICT REPLACE,
     json TEXT NOT NULL
 );
+CREATE TABLE IF NOT EXISTS delivery (
+    receiver TEXT PRIMARY KEY ON CONFLICT REPLACE,
+    sequence INTEGER NOT NULL
+);
 """
 
 
-class FindingStore:
-    """Append findings, look the newest line of an id up."""
+class Kept(NamedTuple):
+    """One line of the store, in the order the lines were made."""
 
-    def __init__(self, model_directory: Path, *, create: bool = True) -> None:
-        """Opens the store; raises `sqlite3.Error` where it cannot be opened or made."""
-        self.path = model_directory / FILE_NAME
-        if create:
-            self._connection = sqlite3.connect(self.path, timeout=10)
+    sequence: int
+    line: str
+    snapshot: str | None
+    """The snapshot that belongs to it, as JSON."""
+
+
+class FindingStore:
+    """Append findings, look the newest line of an id up, read on from a sequence number."""
+
+    def __init__(
+        self, model_directory: Path | None, *, create: bool = True, any_thread: bool = False
+    ) -> None:
+        """Opens the store; raises `sqlite3.Error` where it cannot be opened or made.
+
+        Without a directory it lives in memory. `any_thread` is for an owner that sees to it
+        that one thread at a time uses it.
+        """
+        self.path = None if model_directory is None else model_directory / FILE_NAME
+        if create or self.path is None:
+            self._connection = sqlite3.connect(
+                self.path or ":memory:", timeout=10, check_same_thread=not any_thread
+            )
             try:
                 self._connection.execute("PRAGMA journal_mode=WAL")
                 self._connection.executescript(_TABLES)
@@ -48,7 +73,10 @@ class FindingStore:
         else:
             # Not `ro`: a reader of that kind cannot tidy the write-ahead log away when it ends.
             self._connection = sqlite3.connect(
-                f"{self.path.resolve().as_uri()}?mode=rw", uri=True, timeout=10
+                f"{self.path.resolve().as_uri()}?mode=rw",
+                uri=True,
+                timeout=10,
+                check_same_thread=not any_thread,
             )
 
     def __enter__(self) -> FindingStore:
@@ -101,3 +129,45 @@ class FindingStore:
             )
         ]
         return nearest(finding_id, newest_first) or newest_first[:3]
+
+    def after(self, sequence: int, limit: int) -> list[Kept]:
+        """The next lines after a sequence number, oldest first."""
+        found = self._connection.execute(
+            "SELECT f.sequence, f.json, s.json FROM finding f LEFT JOIN snapshot s"
+            " ON s.id = json_extract(f.json, '$.snapshot_id')"
+            " WHERE f.sequence > ? ORDER BY f.sequence LIMIT ?",
+            (sequence, limit),
+        )
+        return [Kept(*row) for row in found]
+
+    def last_sequence(self) -> int:
+        """Sequence number of the newest line; 0 where there is none."""
+        found = self._connection.execute("SELECT max(sequence) FROM finding").fetchone()
+        return int(found[0] or 0)
+
+    def delivered_to(self, receiver: str) -> int | None:
+        """How far a receiver has come; None where it is new."""
+        found = self._connection.execute(
+            "SELECT sequence FROM delivery WHERE receiver = ?", (receiver,)
+        ).fetchone()
+        return None if found is None else int(found[0])
+
+    def note_delivery(self, receiver: str, sequence: int) -> None:
+        """Remembers that a receiver has everything up to a sequence number."""
+        with self._connection:
+            self._connection.execute(
+                "INSERT INTO delivery (receiver, sequence) VALUES (?, ?)", (receiver, sequence)
+            )
+
+    def forget_before(self, sequence: int) -> int:
+        """Drops lines before a sequence number (of a store in memory); returns how many."""
+        with self._connection:
+            dropped = self._connection.execute(
+                "DELETE FROM finding WHERE sequence < ?", (sequence,)
+            ).rowcount
+            self._connection.execute(
+                "DELETE FROM snapshot WHERE id NOT IN"
+                " (SELECT json_extract(json, '$.snapshot_id') FROM finding"
+                " WHERE json_extract(json, '$.snapshot_id') IS NOT NULL)"
+            )
+        return dropped

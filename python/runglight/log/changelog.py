@@ -13,6 +13,7 @@ from runglight import _engine
 from runglight.errors import InputError
 from runglight.log.options import ReadOptions
 from runglight.log.report import ReadReport
+from runglight.recording.layout import is_recording
 from runglight.strictly import convert
 
 if TYPE_CHECKING:
@@ -44,12 +45,7 @@ class Log:
     @classmethod
     def from_arrow(cls, table: Any, *, reorder_s: float = 1.0) -> Log:
         """From a pyarrow, polars or pandas (2.2 or newer) table: `time`, `signal`, `value`."""
-        if not hasattr(table, "__arrow_c_stream__"):
-            raise InputError(
-                f"a {type(table).__name__} is no Arrow table: pass a pyarrow or polars table, "
-                "or a pandas (2.2 or newer) data frame"
-            )
-        return cls(_engine.ChangeLog.from_arrow(table, reorder_s))
+        return cls(_engine.ChangeLog.from_arrow(arrow_table(table), reorder_s))
 
     @classmethod
     def from_columns(
@@ -59,11 +55,18 @@ class Log:
         value: Any,
         signals: Sequence[str],
         scan_interval_s: float | None = None,
+        *,
+        gaps: Sequence[tuple[int, int]] = (),
     ) -> Log:
-        """From numpy arrays (int64, uint32, int64) and the names the indices stand for."""
+        """From numpy arrays (int64, uint32, int64) and the names the indices stand for.
+
+        `gaps` are the stretches (start and end in nanoseconds) in which nothing was recorded.
+        """
         interval_ns = None if scan_interval_s is None else round(scan_interval_s * 1e9)
         return cls(
-            _engine.log_from_columns(time_ns, signal_index, value, list(signals), interval_ns)
+            _engine.log_from_columns(
+                time_ns, signal_index, value, list(signals), interval_ns, list(gaps)
+            )
         )
 
     def __len__(self) -> int:
@@ -139,7 +142,11 @@ class Log:
 
 
 def read_log(path: str | PathLike[str] | None = None, **options: Any) -> Log:
-    """Reads CSV, Parquet, XES, VCD, or, without a path, the table that `sql` and `table` name.
+    """Reads CSV, Parquet, XES, VCD, or the directory of a recording.
+
+    Without a path, the table that `sql` and `table` name.
+
+    A directory that `runglight import --sql … --to DIR` filled is read too.
 
     `options` are the fields of `runglight.ReadOptions`.
     """
@@ -150,11 +157,31 @@ def read_log(path: str | PathLike[str] | None = None, **options: Any) -> Log:
 
 
 def read_log_with(path: str | PathLike[str] | None, options: ReadOptions) -> Log:
-    """Reads a log with options that are already checked; None stands for the table they name."""
+    """Reads a log or a recording with checked options; None stands for the table they name."""
     if path is None:
         return _read_table(options)
+    if Path(path).is_dir():
+        from runglight.log.imported import is_imported, read_imported  # noqa: PLC0415
+
+        if is_imported(Path(path)):
+            return read_imported(Path(path))
     text = os.fspath(path)
+    if is_recording(Path(text)):
+        # Loaded when there is one: a recording needs SQLite and NumPy.
+        from runglight.recording.read import read_recording  # noqa: PLC0415
+
+        return read_recording(text)
     return Log(_engine.read_log(text, options.to_json()), text)
+
+
+def arrow_table(table: Any) -> Any:
+    """The table itself. InputError where it does not speak Arrow."""
+    if not hasattr(table, "__arrow_c_stream__"):
+        raise InputError(
+            f"a {type(table).__name__} is no Arrow table: pass a pyarrow or polars table, "
+            "or a pandas (2.2 or newer) data frame"
+        )
+    return table
 
 
 def _read_table(options: ReadOptions) -> Log:

@@ -6,6 +6,8 @@ import socket
 from runglight.errors import InputError
 from runglight.softplc.serve_url import EXAMPLES, ServeUrl
 
+IPV4 = socket.AF_INET
+
 
 def check_free(url: ServeUrl, family: socket.AddressFamily = socket.AF_UNSPEC) -> str:
     """The numeric address to listen at; InputError where that is impossible.
@@ -18,7 +20,8 @@ def check_free(url: ServeUrl, family: socket.AddressFamily = socket.AF_UNSPEC) -
         raise InputError(
             f"{url}: there is no address {url.host!r} to listen at; write {EXAMPLES[url.scheme]}"
         ) from None
-    found_family, kind, protocol, _, address = found[0]
+    # `localhost` may be both: more clients write 127.0.0.1 than ::1.
+    found_family, kind, protocol, _, address = min(found, key=lambda each: each[0] is not IPV4)
     with socket.socket(found_family, kind, protocol) as probe:
         # As servers do, so that a port whose last connections fade away counts as free.
         probe.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)

@@ -7,6 +7,7 @@ from dataclasses import replace
 from threading import RLock
 from typing import NamedTuple
 
+from runglight.plants.faults import FaultDescription, FaultLabel
 from runglight.plants.running import Image, RunningPlant
 from runglight.plants.symbols import Symbol
 from runglight.softplc.serve_url import ServeUrl, parse_serve_url
@@ -99,6 +100,21 @@ class SoftPlc:
         with self._lock:
             self._plant.advance(self._clock.now_ns())
             return self._plant.image()
+
+    def inject(self, fault: int | str, at_ns: int | None = None) -> FaultDescription:
+        """Breaks something at the next possible moment after `at_ns` (None: now).
+
+        ValueError for a fault the plant has not, or that waits or acts already.
+        """
+        with self._lock:
+            self.look()
+            return self._plant.inject(fault, at_ns)
+
+    def labels(self) -> tuple[FaultLabel, ...]:
+        """The truth about every fault that has begun by now."""
+        with self._lock:
+            self.look()
+            return self._plant.labels()
 
     async def start(self) -> None:
         """Listens; InputError where it cannot. Does nothing while it serves."""

@@ -13,7 +13,7 @@ from snap7.type import SrvArea
 
 from runglight.plants.running import Image
 from runglight.plants.symbols import Symbol
-from runglight.softplc.listening import check_free
+from runglight.softplc.listening import IPV4, check_free
 from runglight.softplc.place import Area
 from runglight.softplc.s7_layout import S7Layout
 from runglight.softplc.serve_url import ServeUrl
@@ -104,7 +104,7 @@ class S7Server:
 
     async def start(self, url: ServeUrl) -> int:
         """Listens; the port. IPv4 only, as snap7's server does."""
-        host = check_free(url, socket.AF_INET)
+        host = check_free(url, IPV4)
         server = _ScanServer(self._layout, self._look)
         server.port = url.port
         server.start_to(host, url.port)

@@ -43,20 +43,21 @@ def parse_source(source: str) -> SourceUrl:
         file, _, query = rest.partition("?")
         return SourceUrl(source, scheme, "", 0, file, _options(source, scheme, query))
     try:
-        parts = urlsplit(source)
+        # A topic filter ends in `#`, and options may follow it: it begins no fragment here.
+        parts = urlsplit(source.replace("#", "%23"))
         port = parts.port or description.port
     except ValueError as error:
         raise InputError(f"{source}: {error}; write {description.example}") from None
     if not parts.hostname:
         raise InputError(f"{source}: names no host; write {description.example}")
     hidden = parts._replace(netloc=parts.netloc.rpartition("@")[2]).geturl()
+    hidden = hidden.replace("%23", "#")
     return SourceUrl(
         text=hidden,
         scheme=scheme,
         host=parts.hostname,
         port=port,
-        path=unquote(parts.path.removeprefix("/"))
-        + (f"#{parts.fragment}" if parts.fragment else ""),
+        path=unquote(parts.path.removeprefix("/")),
         options=_options(hidden, scheme, parts.query),
         username=None if parts.username is None else unquote(parts.username),
         password=None if parts.password is None else unquote(parts.password),
@@ -67,10 +68,18 @@ def _options(source: str, scheme: str, query: str) -> dict[str, str]:
     known = (*EVERYWHERE, *SCHEMES[scheme].options)
     options: dict[str, str] = {}
     for key, value in parse_qsl(query, keep_blank_values=True):
-        if key not in known:
+        if not any(_is_option(key, option) for option in known):
             near = suggestion(key, known) or f"; {scheme} knows: {', '.join(known)}"
             raise InputError(f"{source}: unknown option {key!r}{near}")
         if key in options:
             raise InputError(f"{source}: {key} is given twice; give it once")
         options[key] = value
     return options
+
+
+def _is_option(key: str, option: str) -> bool:
+    """`db*` stands for `db1`, `db2` and so on."""
+    if option.endswith("*"):
+        number = key.removeprefix(option[:-1])
+        return number != key and number.isascii() and number.isdigit()
+    return key == option

@@ -7,10 +7,13 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 
-TURNS = 3
-"""How often all other tasks get their turn before time goes on."""
-PATIENCE_S = 1.0
-"""Real seconds after which time goes on although somebody who slept by this clock is awake."""
+TURNS = 10
+"""How often all other tasks get their turn, all sleepers asleep, before time goes on.
+
+Enough for work that is handed from task to task, as by `asyncio.wait_for(anext(tap), …)`.
+"""
+PATIENCE_S = 5.0
+"""Real seconds after which time goes on although somebody who takes part is awake."""
 HASTE_S = 0.01
 BREATH_S = 0.0005
 """Real pause between two looks at somebody who is awake for longer than `HASTE_S`."""
@@ -29,20 +32,23 @@ class _Sleeper:
 class VirtualClock:
     """A `Clock` whose time stands still while anybody works, and jumps while all sleep.
 
-    A task takes part from its first `sleep_until` until it ends. When all who take part are asleep,
-    and every other task has had some turns of the event loop, time jumps to the earliest sleeper's
-    moment, never past it; sleepers wake in the order of their moments, those of one moment in the
-    order in which they fell asleep. A task that takes part and waits for what only time can bring
-    delays this by `PATIENCE_S`. `hold` stops time for work whose task has never slept yet.
+    A task takes part from its first `sleep_until` (even of now) until it ends. When all who take
+    part are asleep, and every other task has had some turns of the event loop, time jumps to the
+    earliest sleeper's moment, never past it; sleepers wake in the order of their moments, those of
+    one moment in the order in which they fell asleep. A task that takes part and waits for what
+    only time can bring delays this by `patience_s`. `hold` stops time for work that never sleeps.
 
     After `run_on` time flows as fast as the computer's. For one event loop; `now_ns` may be called
     from any thread.
     """
 
-    def __init__(self, start_ns: int, *, turns: int = TURNS) -> None:
+    def __init__(
+        self, start_ns: int, *, turns: int = TURNS, patience_s: float = PATIENCE_S
+    ) -> None:
         self._now_ns = start_ns
         self._offset_ns: int | None = None
         self._turns = turns
+        self._patience_s = patience_s
         self._queue: list[_Sleeper] = []
         self._slept = 0
         self._asleep: dict[asyncio.Task[object], bool] = {}
@@ -98,14 +104,15 @@ class VirtualClock:
 
     async def sleep_until(self, time_ns: int) -> None:
         """Returns at `time_ns`; at once (after letting others run) where that has passed."""
+        task = asyncio.current_task()
+        assert task is not None
         if time_ns <= self.now_ns():
+            self._asleep.setdefault(task, False)
             await asyncio.sleep(0)
             return
         self._slept += 1
         sleeper = _Sleeper(time_ns, self._slept, asyncio.Event())
         heapq.heappush(self._queue, sleeper)
-        task = asyncio.current_task()
-        assert task is not None
         self._asleep[task] = True
         self._wake_first()
         try:
@@ -135,16 +142,17 @@ class VirtualClock:
 
     async def _let_others_work(self) -> None:
         began_s = time.monotonic()
-        while True:
-            for _ in range(self._turns):
-                await asyncio.sleep(0)
-            if self.is_real or not (self._holds or self._somebody_awake()):
-                return
-            waited_s = time.monotonic() - began_s
-            if waited_s > PATIENCE_S and not self._holds:
-                return
-            if waited_s > HASTE_S:
-                await asyncio.sleep(BREATH_S)
+        quiet_turns = 0
+        while quiet_turns < self._turns and not self.is_real:
+            await asyncio.sleep(0)
+            quiet_turns += 1
+            if self._holds or self._somebody_awake():
+                quiet_turns = 0
+                waited_s = time.monotonic() - began_s
+                if waited_s > self._patience_s and not self._holds:
+                    return
+                if waited_s > HASTE_S:
+                    await asyncio.sleep(BREATH_S)
 
     def _somebody_awake(self) -> bool:
         for task in [task for task in self._asleep if task.done()]:

@@ -136,7 +136,7 @@ impl Directory {
                 name: plant.full_name(index),
                 group: plant.groups[device.group].name.clone(),
                 device: device.name.clone(),
-                description: signal.description.clone(),
+                description: signal.description.to_string(),
             };
             let place = signal.address.as_deref().or(Some(&signal.symbol)).and_then(Place::parse);
             for name in [Some(&bit.symbol), bit.address.as_ref(), Some(&bit.name)] {

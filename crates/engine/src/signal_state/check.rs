@@ -40,13 +40,15 @@ const OBSERVATIONS_AT_LEAST: u32 = 5;
 
 /// All departures of a group, causes first.
 pub fn departures(model: &NominalModel, group: usize, lanes: &Lanes) -> Vec<Departure> {
-    let mut rules: Vec<usize> = (0..model.rules.len())
-        .filter(|&rule| model.chains.group_of(model.rules[rule].chain) == group)
-        .collect();
-    rules.sort_by_key(|&rule| model.rules[rule].sequence);
     let mut found = Vec::new();
-    for rule in rules {
-        found.extend(branch(model, rule, lanes));
+    for checked in lanes.checked(group) {
+        let rule = checked.rule();
+        if checked.branches() {
+            found.extend(branch(model, rule, lanes));
+        }
+        if lanes.count(rule) == 0 {
+            continue;
+        }
         // `adaptive` does not time a group's chain.
         let timed = model.parameters.timing == Timing::Plat
             || model.chains.kind(model.rules[rule].chain) == ChainKind::Device;
@@ -58,24 +60,23 @@ pub fn departures(model: &NominalModel, group: usize, lanes: &Lanes) -> Vec<Depa
     found
 }
 
-/// The branches out of a state, reported once, at the first of them.
+/// The branches out of a state, asked once, at the first of them.
 fn branch(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure> {
     let kind: ChainKind = model.chains.kind(model.rules[rule].chain);
     let row = model.table.row(row_of(model.rules[rule].current, kind));
-    let first = row.clone().min_by_key(|&r| model.rules[r].sequence)?;
-    let total: u32 = row.clone().map(|r| lanes.lane(r).count).sum();
-    if first != rule || total == 0 || row.len() < 2 {
+    let total: u32 = row.clone().map(|r| lanes.count(r)).sum();
+    if total == 0 {
         return None;
     }
-    let learned_total: u64 = row.clone().map(|r| model.rules[r].count).sum();
-    let share = |r: usize| f64::from(lanes.lane(r).count) / f64::from(total);
+    let learned_total: u64 = row.clone().map(|r| u64::from(model.rules[r].count)).sum();
+    let share = |r: usize| f64::from(lanes.count(r)) / f64::from(total);
     let changed = row
         .clone()
         .filter(|&r| {
             let learned = &model.rules[r];
             share_changed(
                 model,
-                (lanes.lane(r).count, total),
+                (lanes.count(r), total),
                 (learned.probability, learned_total),
                 learned.dispersion,
             )
@@ -97,21 +98,20 @@ fn branch(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure>
 /// The several times of one transition.
 fn times(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure> {
     let clusters = model.rules[rule].judged();
-    let bands = lanes.bands(rule);
-    let total: u32 = bands.iter().map(|band| band.count).sum();
+    let total: u32 = lanes.seen(rule).map(|seen| seen.count).sum();
     if clusters.len() < 2 || total == 0 {
         return None;
     }
-    let changed = clusters.iter().zip(bands).any(|(cluster, band)| {
+    let changed = clusters.iter().zip(lanes.seen(rule)).any(|(cluster, seen)| {
         share_changed(
             model,
-            (band.count, total),
-            (cluster.probability, model.rules[rule].count),
+            (seen.count, total),
+            (cluster.probability, u64::from(model.rules[rule].count)),
             cluster.dispersion,
         )
     });
     let observed_shares: Vec<f64> =
-        bands.iter().map(|band| f64::from(band.count) / f64::from(total)).collect();
+        lanes.seen(rule).map(|seen| f64::from(seen.count) / f64::from(total)).collect();
     changed.then(|| Departure {
         kind: Kind::TimeProbability,
         rule,
@@ -124,12 +124,12 @@ fn times(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure> 
 
 fn average(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure> {
     let single = model.rules[rule].judged().len() == 1;
-    model.rules[rule].judged().iter().zip(lanes.bands(rule)).find_map(|(cluster, band)| {
-        let count = band.count;
+    model.rules[rule].judged().iter().zip(lanes.seen(rule)).find_map(|(cluster, seen)| {
+        let count = seen.count;
         if count == 0 {
             return None;
         }
-        let observed = band.sum as f64 / SECOND as f64 / f64::from(count);
+        let observed = seen.sum as f64 / SECOND as f64 / f64::from(count);
         mean_changed(model, cluster, observed, count, single).then(|| Departure {
             kind: Kind::AverageTime,
             rule,

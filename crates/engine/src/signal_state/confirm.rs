@@ -81,7 +81,7 @@ fn add_path(
     chain: ChainIndex,
     path: &[StateId],
 ) -> usize {
-    let mut sequence = rules.iter().map(|rule| rule.sequence + 1).max().unwrap_or(0);
+    let mut sequence = rules.iter().map(|rule| rule.sequence.saturating_add(1)).max().unwrap_or(0);
     let mut position =
         rules.iter().filter(|r| r.chain == chain).map(|r| r.position + 1).max().unwrap_or(0);
     let before = rules.len();
@@ -103,10 +103,10 @@ fn add_path(
             sequence,
             position,
             dispersion: 1.0,
-            clusters: Vec::new(),
+            clusters: Box::default(),
             trigger: None,
         });
-        sequence += 1;
+        sequence = sequence.saturating_add(1);
         position += 1;
     }
     rules.len() - before

@@ -47,14 +47,38 @@ pub fn of_mean(series: &[f64]) -> f64 {
 
 fn long_run_ratio(n: usize, deviation: impl Fn(usize) -> f64, variance: f64) -> f64 {
     let lags = ((n as f64).sqrt().ceil() as usize).clamp(1, LAG_AT_MOST);
+    let deviations: Vec<f64> = (0..n).map(deviation).collect();
     let mut ratio = 1.0;
-    for lag in 1..=lags {
-        let covariance =
-            (lag..n).map(|i| deviation(i) * deviation(i - lag)).sum::<f64>() / n as f64;
-        let weight = 1.0 - lag as f64 / (lags + 1) as f64;
-        ratio += 2.0 * weight * covariance / variance;
+    for first in (1..=lags).step_by(LAGS_AT_ONCE) {
+        let sums = lagged_sums(&deviations, first);
+        for (lag, sum) in (first..=lags).zip(sums) {
+            let covariance = sum / n as f64;
+            let weight = 1.0 - lag as f64 / (lags + 1) as f64;
+            ratio += 2.0 * weight * covariance / variance;
+        }
     }
     ratio
+}
+
+/// Sums that do not wait for one another share their latency.
+const LAGS_AT_ONCE: usize = 6;
+
+/// For the lags from `first` on: the sum over all pairs that far apart, each from the left.
+fn lagged_sums(deviations: &[f64], first: usize) -> [f64; LAGS_AT_ONCE] {
+    let mut sums = [0.0; LAGS_AT_ONCE];
+    let longest = first + LAGS_AT_ONCE - 1;
+    for (lag, sum) in (first..).zip(&mut sums) {
+        for i in lag..deviations.len().min(longest) {
+            *sum += deviations[i] * deviations[i - lag];
+        }
+    }
+    for window in deviations.windows(longest + 1) {
+        let deviation = window[longest];
+        for (before, sum) in (0..LAGS_AT_ONCE).zip(&mut sums) {
+            *sum += deviation * window[LAGS_AT_ONCE - 1 - before];
+        }
+    }
+    sums
 }
 
 /// Standardised number of runs: large where kinds alternate.

@@ -5,7 +5,6 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 
 use super::chains::{ChainIndex, ChainKind};
-use super::enabling::Trigger;
 use super::model::NominalModel;
 use super::rules::Rule;
 use super::states::StateId;
@@ -52,7 +51,7 @@ impl NominalModel {
             );
         }
         for rule in &rules {
-            for trigger in rule.trigger.iter().flat_map(Trigger::states) {
+            for trigger in rule.trigger.iter().flat_map(|trigger| trigger.states()) {
                 if named.insert(trigger) {
                     let label = quoted(&self.short_state_name(trigger, ChainKind::Group));
                     let _ = writeln!(

@@ -1,41 +1,21 @@
 //! What an alarm rests on: how probable the unseen is on a healthy machine.
 //!
-//! Good-Turing: after `n` draws of which `s` kinds were seen once, the next draw is of an unseen
-//! kind with probability `s/n`. A state left once or rarely makes the unknown unsurprising. States
-//! with little data of their own borrow from their chain, and chains from all chains of their
-//! kind, each level weighing one draw:
-//! `θ(state) = (s + θ(chain)) / (n + 1)`, `θ(chain) = (S + θ(plant)) / (N + 1)`, …
-//! The same mass over *rare* time clusters says how probable an odd time is.
+//! A state left once or rarely makes the unknown unsurprising. States with little data of their own
+//! borrow from where they are, which weighs one draw: `θ(state) = (s + θ) / (n + 1)`, where `θ` is
+//! the plant's unseen mass, in so far as their device and their sisters differ from it
+//! ([`super::oddity`]). The same mass over *rare* time clusters says how probable an odd time is.
+
+use std::collections::BTreeMap;
 
 use crate::timing::limits::BODY_INSTANCES;
+use crate::timing::shape::Shapes;
 
-use super::chains::{ChainKind, Chains};
+use super::chains::{ChainIndex, ChainKind};
+use super::oddity::{Parts, Tally, of_plant};
 use super::rules::{Rule, RuleTable, row_of};
+use super::shares::SharesBySisters;
+use super::sisters::{Family, Names};
 use super::states::StateId;
-
-/// Seen-once kinds out of draws.
-#[derive(Debug, Clone, Copy, Default)]
-struct Tally {
-    once: f64,
-    draws: f64,
-}
-
-impl Tally {
-    fn unseen(self, from_above: f64) -> f64 {
-        (self.once + from_above) / (self.draws + 1.0)
-    }
-}
-
-/// Unseen mass per chain, from which that of states and rules follows.
-#[derive(Debug, Clone, Default)]
-pub struct Evidence {
-    transition_by_chain: Vec<f64>,
-    /// By character.
-    time_by_chain: [Vec<f64>; 3],
-    /// Of what is explained, and of open waits.
-    shares: [Shares; 2],
-    resolution_s: f64,
-}
 
 /// What a transition's time is made of. The rare times of one say nothing about the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -48,11 +28,14 @@ enum Character {
     OpenWait,
 }
 
+const CHARACTERS: [Character; 3] = [Character::Motion, Character::KnownWait, Character::OpenWait];
 /// Motions take up to this many times (part types, speeds).
 const MOTION_TIMES: usize = 3;
 /// A motion's time spreads over no more than this share of it, or this many resolutions.
 const MOTION_SPREAD: f64 = 0.05;
 const MOTION_RESOLUTIONS: f64 = 10.0;
+/// Instances from which a time seen once or twice is odd, and not merely one of several.
+const TELLING_INSTANCES: u64 = 20;
 
 impl Character {
     fn of(rule: &Rule, resolution_s: f64) -> Self {
@@ -71,72 +54,88 @@ impl Character {
     }
 }
 
-/// Shares of the time clusters of all rules that have several: what a rule seen only a few times
-/// may still hold back. Of a cluster with share `q` nothing is seen in `n` instances with
-/// probability `(1-q)^n`, and the next instance is its first with probability `q·(1-q)^n`.
-#[derive(Debug, Clone, Default)]
-struct Shares {
-    /// Clusters by share, in steps of one hundredth.
-    clusters: Vec<u32>,
-    rules: u32,
+/// Unseen mass of a plant, of its devices and of its families of sisters.
+#[derive(Debug, Clone)]
+struct Oddity {
+    plant: f64,
+    chains: Parts<ChainIndex>,
+    families: Parts<Family>,
 }
 
-impl Shares {
-    fn of<'a>(rules: impl Iterator<Item = &'a Rule>) -> Self {
-        let mut shares = Self { clusters: vec![0; 101], rules: 0 };
-        for rule in rules.filter(|rule| rule.evidence() >= BODY_INSTANCES) {
-            shares.rules += 1;
-            let clusters = rule.judged();
-            let usual = clusters.iter().filter(|c| c.instances >= BODY_INSTANCES);
-            for cluster in usual.filter(|_| clusters.len() > 1) {
-                let percent = (cluster.probability * 100.0).round().clamp(0.0, 100.0);
-                shares.clusters[percent as usize] += 1;
-            }
+impl Oddity {
+    fn of(tallies: impl Iterator<Item = (ChainIndex, Family, Tally)>) -> Self {
+        let mut chains: BTreeMap<ChainIndex, Tally> = BTreeMap::new();
+        let mut families: BTreeMap<Family, Tally> = BTreeMap::new();
+        for (chain, family, tally) in tallies {
+            chains.entry(chain).or_default().add(tally);
+            families.entry(family).or_default().add(tally);
         }
-        shares
+        Self {
+            plant: of_plant(chains.values()),
+            chains: Parts::of(&chains),
+            families: Parts::of(&families),
+        }
     }
 
-    /// Probability that the next instance of a rule seen `instances` times takes a usual time of
-    /// its own that has not been seen yet.
-    fn unseen(&self, instances: u64) -> f64 {
-        let mass = |(percent, &clusters): (usize, &u32)| {
-            let share = percent as f64 / 100.0;
-            f64::from(clusters) * share * (1.0 - share).powf(instances as f64)
-        };
-        self.clusters.iter().enumerate().map(mass).sum::<f64>() / f64::from(self.rules.max(1))
+    fn at(&self, chain: ChainIndex, family: Family) -> f64 {
+        (self.plant * self.chains.ratio(chain) * self.families.ratio(family)).min(1.0)
     }
 }
 
-/// What a plant with no evidence at all is taken to hide: one half of one kind.
-const PRIOR_ONCE: f64 = 0.5;
+/// Unseen mass per chain and family, from which that of states and rules follows.
+#[derive(Debug, Clone)]
+pub struct Evidence {
+    /// Of leaving a state: in devices, in groups.
+    leaving: [Oddity; 2],
+    /// By character.
+    times: [Oddity; 3],
+    /// Of what is explained, and of open waits.
+    shares: [SharesBySisters; 2],
+    /// By character.
+    shapes: [Shapes; 3],
+    resolution_s: f64,
+}
 
 impl Evidence {
     /// Tallies the rules of a model; `resolution_s` is the smallest time difference that means
     /// something.
-    pub fn of(rules: &[Rule], chains: &Chains, resolution_s: f64) -> Self {
-        let mut transitions = vec![Tally::default(); chains.len()];
-        let mut times = [transitions.clone(), transitions.clone(), transitions.clone()];
-        for rule in rules {
-            let transition = &mut transitions[rule.chain];
-            transition.draws += rule.evidence() as f64;
-            transition.once += f64::from(rule.evidence() == 1);
-            // A transition hardly ever seen has no usual time from which another would be odd.
-            if rule.evidence() >= BODY_INSTANCES {
-                let time = &mut times[Character::of(rule, resolution_s) as usize][rule.chain];
-                time.draws += rule.evidence() as f64;
-                time.once += rare_instances(rule) as f64;
-            }
+    pub fn of(rules: &[Rule], names: Names<'_>, resolution_s: f64) -> Self {
+        let characters: Vec<Character> =
+            rules.iter().map(|rule| Character::of(rule, resolution_s)).collect();
+        let families: Vec<Family> = rules.iter().map(|rule| names.of_rule(rule)).collect();
+        let leaving = [ChainKind::Device, ChainKind::Group].map(|kind| {
+            let of_kind = rules.iter().filter(|rule| names.chains.kind(rule.chain) == kind);
+            Oddity::of(of_kind.map(|rule| {
+                let once = f64::from(rule.evidence() == 1);
+                let tally = Tally { once, kinds: once, draws: rule.evidence() as f64 };
+                (rule.chain, names.of_state(rule.current, kind), tally)
+            }))
+        });
+        let of = |character| {
+            let rules = rules.iter().zip(&characters).zip(&families);
+            // What a group's chain takes says nothing that its devices' do not.
+            rules.filter(move |((rule, of_rule), _)| {
+                **of_rule == character && names.chains.kind(rule.chain) == ChainKind::Device
+            })
+        };
+        let times = CHARACTERS.map(|character| {
+            // One instance of a few is a usual time seen too seldom, and says nothing about how
+            // often others are odd.
+            let telling = of(character).filter(|((r, _), _)| r.evidence() >= TELLING_INSTANCES);
+            Oddity::of(telling.map(|((rule, _), &family)| {
+                let once = rare_instances(rule) as f64;
+                let draws = rule.evidence() as f64;
+                (rule.chain, family, Tally { once, kinds: once.min(1.0), draws })
+            }))
+        });
+        let mut shares = [SharesBySisters::default(), SharesBySisters::default()];
+        for ((rule, character), &family) in rules.iter().zip(&characters).zip(&families) {
+            shares[usize::from(*character == Character::OpenWait)].add(rule, family);
         }
-        let open = |rule: &&Rule| Character::of(rule, resolution_s) == Character::OpenWait;
-        Self {
-            transition_by_chain: shrink(&transitions, chains),
-            time_by_chain: times.map(|times| shrink(&times, chains)),
-            shares: [
-                Shares::of(rules.iter().filter(|rule| !open(rule))),
-                Shares::of(rules.iter().filter(open)),
-            ],
-            resolution_s,
-        }
+        let shapes = CHARACTERS.map(|character| {
+            Shapes::of(of(character).flat_map(|((rule, _), _)| rule.judged()), resolution_s)
+        });
+        Self { leaving, times, shares, shapes, resolution_s }
     }
 
     /// Probability that a healthy machine leaves `state` in a way not seen yet.
@@ -144,16 +143,18 @@ impl Evidence {
         &self,
         rules: &[Rule],
         table: &RuleTable,
-        chain: usize,
-        kind: ChainKind,
-        state: StateId,
+        names: Names<'_>,
+        (chain, state): (ChainIndex, StateId),
     ) -> f64 {
+        let kind = names.chains.kind(chain);
         let row = &rules[table.row(row_of(state, kind))];
         let tally = Tally {
             once: row.iter().filter(|rule| rule.evidence() == 1).count() as f64,
             draws: row.iter().map(Rule::evidence).sum::<u64>() as f64,
+            ..Tally::default()
         };
-        tally.unseen(self.transition_by_chain[chain])
+        let oddity = &self.leaving[usize::from(kind == ChainKind::Group)];
+        tally.unseen(oddity.at(chain, names.of_state(state, kind)))
     }
 
     /// True where a transition waits for something nobody knows, so that another device's delay
@@ -164,41 +165,48 @@ impl Evidence {
 
     /// Probability that a transition of a healthy machine takes `time_s`, which lies outside all
     /// that is usual for it. Longer than anything seen is rarer still, falling with the ratio.
-    pub fn odd_time(&self, rule: &Rule, time_s: f64) -> f64 {
-        let tally = Tally { once: rare_instances(rule) as f64, draws: rule.evidence() as f64 };
+    pub fn odd_time(&self, rule: &Rule, names: Names<'_>, time_s: f64) -> f64 {
         let longest = rule.judged().iter().map(|c| c.maximum_s).fold(0.0, f64::max);
         let beyond =
             if time_s > longest && time_s > 0.0 { longest.max(1e-3) / time_s } else { 1.0 };
+        let (odd, usual) = self.unseen_times(rule, names);
+        (odd * beyond.min(1.0)).max(usual)
+    }
+
+    /// Probability that a transition of a healthy machine takes any time outside all that is usual
+    /// for it.
+    pub fn any_odd_time(&self, rule: &Rule, names: Names<'_>) -> f64 {
+        let (odd, usual) = self.unseen_times(rule, names);
+        odd.max(usual)
+    }
+
+    /// Probabilities of an odd time, and of a usual one not seen yet.
+    fn unseen_times(&self, rule: &Rule, names: Names<'_>) -> (f64, f64) {
+        let tally = Tally {
+            once: rare_instances(rule) as f64,
+            draws: rule.evidence() as f64,
+            ..Tally::default()
+        };
         let character = Character::of(rule, self.resolution_s);
-        let from_chain = self.time_by_chain[character as usize][rule.chain];
-        let odd = tally.unseen(from_chain) * beyond.min(1.0);
+        let family = names.of_rule(rule);
         let shares = &self.shares[usize::from(character == Character::OpenWait)];
-        odd.max(shares.unseen(rule.evidence()))
+        let odd = tally.unseen(self.times[character as usize].at(rule.chain, family));
+        (odd, shares.unseen(rule, family))
+    }
+
+    /// Shapes of the times of a rule's kind.
+    pub fn shapes(&self, rule: &Rule) -> &Shapes {
+        &self.shapes[Character::of(rule, self.resolution_s) as usize]
+    }
+
+    /// Shapes of times since the device's own event where another's enables it.
+    pub fn shapes_without_trigger(&self) -> &Shapes {
+        &self.shapes[Character::OpenWait as usize]
     }
 }
 
 /// Instances in clusters too small to be a usual time.
 fn rare_instances(rule: &Rule) -> u64 {
     let rare = rule.judged().iter().filter(|c| c.instances < BODY_INSTANCES);
-    rare.map(|c| c.instances).sum::<u64>().saturating_sub(rule.uncounted)
-}
-
-/// Unseen mass of every chain, shrunk towards that of all chains of its kind.
-fn shrink(tallies: &[Tally], chains: &Chains) -> Vec<f64> {
-    let plant = |kind: ChainKind| {
-        let of_kind = tallies.iter().enumerate().filter(|(chain, _)| chains.kind(*chain) == kind);
-        let sum = of_kind.fold(Tally::default(), |sum, (_, tally)| Tally {
-            once: sum.once + tally.once,
-            draws: sum.draws + tally.draws,
-        });
-        sum.unseen(PRIOR_ONCE)
-    };
-    let (devices, groups) = (plant(ChainKind::Device), plant(ChainKind::Group));
-    tallies
-        .iter()
-        .enumerate()
-        .map(|(chain, tally)| {
-            tally.unseen(if chains.kind(chain) == ChainKind::Device { devices } else { groups })
-        })
-        .collect()
+    rare.map(|c| c.instances).sum::<u64>().saturating_sub(u64::from(rule.uncounted))
 }

@@ -74,7 +74,7 @@ pub fn learn<L: Borrow<ChangeLog>>(
     let transitions = walk(&events, &chains, states.len());
     let search = (parameters.timing == Timing::Adaptive)
         .then(|| Search::new(&events, &plant, &states, resolution));
-    let rules = rules(&transitions, &chains, parameters, resolution, search);
+    let rules = rules(&transitions, &chains, states.len(), parameters, resolution, search);
     let learned = Learned {
         events: events.len() as u64,
         duration: logs.iter().copied().filter_map(span).sum(),
@@ -184,9 +184,18 @@ fn choose_starting_signals(
     events: &[Happening],
     parameters: &Parameters,
 ) -> Result<(), LearnError> {
+    let device_of: Vec<u32> = plant.signals.iter().map(|signal| signal.device as u32).collect();
+    let mut first = vec![SignalIndex::MAX; plant.devices.len()];
     for event in events {
-        let device = plant.signals[event.signal as usize].device;
-        plant.devices[device].starting.get_or_insert(event.signal);
+        let first = &mut first[device_of[event.signal as usize] as usize];
+        if *first == SignalIndex::MAX {
+            *first = event.signal;
+        }
+    }
+    for (device, first) in plant.devices.iter_mut().zip(first) {
+        if first != SignalIndex::MAX {
+            device.starting.get_or_insert(first);
+        }
     }
     for (name, signal) in &parameters.starting {
         let error = |problem: &str| LearnError::Starting {
@@ -228,8 +237,8 @@ struct Found {
     chain: ChainIndex,
     current: StateId,
     next: StateId,
-    count: u64,
-    uncounted: u64,
+    count: u32,
+    uncounted: u32,
 }
 
 #[derive(Clone, Copy)]
@@ -243,7 +252,7 @@ struct Here {
 fn walk(events: &[Happening], chains: &Chains, states: usize) -> Transitions {
     let nowhere = Here { state: NO_STATE, time: 0, first: true };
     let mut here = vec![nowhere; chains.len()];
-    let mut by_row: Vec<Vec<(StateId, u32)>> = vec![Vec::new(); 2 * states];
+    let mut known = Known::new(states);
     let mut found =
         Transitions { rules: Vec::new(), instances: Vec::with_capacity(events.len() * 5 / 4) };
     let mut run = 0;
@@ -265,30 +274,61 @@ fn walk(events: &[Happening], chains: &Chains, states: usize) -> Transitions {
             if before.state == NO_STATE {
                 continue;
             }
-            let row = &mut by_row[row_of(before.state, kind)];
-            let rule = match row.iter().find(|(next, _)| *next == event.state) {
-                Some(&(_, rule)) => rule,
-                None => {
-                    let rule = found.rules.len() as u32;
-                    row.push((event.state, rule));
-                    found.rules.push(Found {
-                        chain,
-                        current: before.state,
-                        next: event.state,
-                        count: 0,
-                        uncounted: 0,
-                    });
-                    rule
-                }
-            };
-            let entry = &mut found.rules[rule as usize];
-            entry.count += 1;
-            entry.uncounted += u64::from(before.first);
+            let new = found.rules.len() as u32;
+            let rule = known.rule(before.state, kind, event.state, new);
+            if rule == new {
+                found.rules.push(Found {
+                    chain,
+                    current: before.state,
+                    next: event.state,
+                    count: 0,
+                    uncounted: 0,
+                });
+            }
+            if before.first {
+                found.rules[rule as usize].uncounted += 1;
+            }
             let took = event.time - before.time;
             found.instances.push(Instance { rule, event: index, took });
         }
     }
+    let mut counts = vec![0u32; found.rules.len()];
+    for instance in &found.instances {
+        counts[instance.rule as usize] += 1;
+    }
+    for (rule, count) in found.rules.iter_mut().zip(counts) {
+        rule.count = count;
+    }
     found
+}
+
+/// The transitions met so far. Nearly all states are entered from one other only, so the last
+/// transition into a state is tried first.
+struct Known {
+    /// By row of the state entered: where from, and the rule.
+    last: Vec<(StateId, u32)>,
+    by_row: Vec<Vec<(StateId, u32)>>,
+}
+
+impl Known {
+    fn new(states: usize) -> Self {
+        Self { last: vec![(NO_STATE, 0); 2 * states], by_row: vec![Vec::new(); 2 * states] }
+    }
+
+    /// The rule of a transition, which is `new` where it is met for the first time.
+    #[inline]
+    fn rule(&mut self, current: StateId, kind: ChainKind, next: StateId, new: u32) -> u32 {
+        let last = &mut self.last[row_of(next, kind)];
+        if last.0 != current {
+            let row = &mut self.by_row[row_of(current, kind)];
+            let known = row.iter().find(|(to, _)| *to == next).map(|&(_, rule)| rule);
+            *last = (current, known.unwrap_or(new));
+            if known.is_none() {
+                row.push((next, new));
+            }
+        }
+        last.1
+    }
 }
 
 /// The instances of every rule side by side, each in the order they happened.
@@ -325,11 +365,12 @@ impl ByRule {
 fn rules(
     found: &Transitions,
     chains: &Chains,
+    states: usize,
     parameters: &Parameters,
     resolution: Nanoseconds,
     mut search: Option<Search<'_>>,
 ) -> Vec<Rule> {
-    let branch_dispersion = branch_dispersion(found);
+    let branch_dispersion = branch_dispersion(found, chains, states);
     let by_rule = ByRule::of(found);
     let mut position = vec![0u32; chains.len()];
     let mut rules = Vec::with_capacity(found.rules.len());
@@ -357,11 +398,11 @@ fn rules(
             count: transition.count,
             uncounted: transition.uncounted,
             probability: 0.0,
-            sequence: index as u64,
+            sequence: index as u32,
             position: position[transition.chain],
             dispersion: branch_dispersion[index],
-            clusters: cluster(&times, &sorted, parameters, resolution),
-            trigger,
+            clusters: cluster(&times, &sorted, parameters, resolution).into(),
+            trigger: trigger.map(Box::new),
         });
         position[transition.chain] += 1;
     }
@@ -375,13 +416,13 @@ fn seconds(nanoseconds: Nanoseconds) -> f64 {
 
 /// Shares of each transition among those out of its state.
 pub(super) fn set_probabilities(rules: &mut [Rule], chains: &Chains) {
-    let mut out = std::collections::HashMap::<(ChainKind, StateId), u64>::new();
+    let mut out = hashbrown::HashMap::<(ChainKind, StateId), u64>::new();
     for rule in rules.iter() {
-        *out.entry((chains.kind(rule.chain), rule.current)).or_default() += rule.count;
+        *out.entry((chains.kind(rule.chain), rule.current)).or_default() += u64::from(rule.count);
     }
     for rule in rules.iter_mut() {
         let total = out[&(chains.kind(rule.chain), rule.current)];
-        rule.probability = rule.count as f64 / total as f64;
+        rule.probability = f64::from(rule.count) / total as f64;
     }
 }
 
@@ -420,31 +461,24 @@ fn cluster(
 }
 
 /// Dispersion of every branch: of "this transition was taken" among departures from its state.
-fn branch_dispersion(found: &Transitions) -> Vec<f64> {
+fn branch_dispersion(found: &Transitions, chains: &Chains, states: usize) -> Vec<f64> {
+    let row = |rule: &Found| row_of(rule.current, chains.kind(rule.chain));
     // Most states are left in one way only.
-    let mut ways = std::collections::HashMap::<(ChainIndex, StateId), u32>::new();
+    let mut ways = vec![0u32; 2 * states];
     for rule in &found.rules {
-        *ways.entry((rule.chain, rule.current)).or_default() += 1;
+        ways[row(rule)] += 1;
     }
-    let branches: Vec<bool> =
-        found.rules.iter().map(|rule| ways[&(rule.chain, rule.current)] > 1).collect();
-    let mut departures = std::collections::HashMap::<(ChainIndex, StateId), Vec<u32>>::new();
+    let rows: Vec<Option<usize>> =
+        found.rules.iter().map(row).map(|row| (ways[row] > 1).then_some(row)).collect();
+    let mut departures: Vec<Vec<u32>> = vec![Vec::new(); 2 * states];
     for instance in &found.instances {
-        if branches[instance.rule as usize] {
-            let rule = &found.rules[instance.rule as usize];
-            departures.entry((rule.chain, rule.current)).or_default().push(instance.rule);
+        if let Some(row) = rows[instance.rule as usize] {
+            departures[row].push(instance.rule);
         }
     }
-    found
-        .rules
-        .iter()
-        .enumerate()
-        .map(|(index, transition)| {
-            departures
-                .get(&(transition.chain, transition.current))
-                .filter(|sequence| sequence.len() as u64 > transition.count)
-                .map_or(1.0, |sequence| dispersion::of_share(sequence, index as u32))
-        })
+    rows.iter()
+        .zip(0..)
+        .map(|(row, index)| row.map_or(1.0, |row| dispersion::of_share(&departures[row], index)))
         .collect()
 }
 
@@ -465,17 +499,26 @@ const OFF_GRID: f64 = 0.05;
 fn logger_resolution(logs: &[&ChangeLog]) -> Nanoseconds {
     let grids = [1000, 500, 200, 100, 50, 20, 10, 5, 2].map(|ms| ms * FINEST);
     let rows: usize = logs.iter().map(|log| log.len()).sum();
-    let off = |grid: Nanoseconds| {
+    let allowed = (OFF_GRID * rows as f64) as usize;
+    let fits = |grid: Nanoseconds| {
         let times = logs.iter().flat_map(|log| &log.time);
-        times.filter(|&&time| time % grid != 0).count() as f64
+        // A grid that does not fit is given up with the first row too many.
+        times.filter(|&&time| time % grid != 0).nth(allowed).is_none()
     };
-    grids.into_iter().find(|&grid| off(grid) <= OFF_GRID * rows as f64).unwrap_or(FINEST)
+    grids.into_iter().find(|&grid| fits(grid)).unwrap_or(FINEST)
 }
 
+/// Scans may come early by one part in this many of their interval.
+const SCAN_JITTER: Nanoseconds = 10;
+
 /// Events closer than this have no order; zero where only equal times are of one scan.
+///
+/// A little less than the interval: scans jitter, and two in a row are not one because the second
+/// came early; nor must a live finding wait for a third.
 fn scan_window(logs: &[&ChangeLog], parameters: &Parameters) -> Nanoseconds {
     let given = parameters.scan_interval_s.map(|s| (s * SECOND as f64) as Nanoseconds);
-    given.or_else(|| logs.iter().filter_map(|log| log.scan_interval).max()).unwrap_or(0)
+    let interval = given.or_else(|| logs.iter().filter_map(|log| log.scan_interval).max());
+    interval.map_or(0, |interval| interval - interval / SCAN_JITTER)
 }
 
 /// Longest time between two events of each group.

@@ -55,8 +55,10 @@ pub fn transition(
     finding: &Finding,
     kind: ChainKind,
 ) -> String {
-    let learned: u64 =
-        model.rules[model.table.row(row_of(from, kind))].iter().map(|rule| rule.count).sum();
+    let learned: u64 = model.rules[model.table.row(row_of(from, kind))]
+        .iter()
+        .map(|rule| u64::from(rule.count))
+        .sum();
     let to = finding.to.as_deref().unwrap_or_default();
     let event = finding.signal.as_deref().map_or_else(String::new, |signal| {
         let value = to.rsplit_once(signal).map_or("", |(_, suffix)| suffix);
@@ -257,7 +259,7 @@ pub fn transition_suspects(
         let skipped = model.states.find(came, value).is_some_and(|to| {
             model
                 .table
-                .find(row_of(rule.next, kind), to)
+                .find(&model.rules, row_of(rule.next, kind), to)
                 .is_some_and(|next| model.rules[next].evidence() > 0)
         });
         let score = if skipped { SKIPPED } else { AWAITED };

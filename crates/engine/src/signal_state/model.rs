@@ -1,18 +1,21 @@
 //! The nominal model: what was learned, indexed for watching.
 
-use std::collections::HashMap;
+use std::sync::OnceLock;
 
 use serde::{Deserialize, Serialize};
 
 use crate::log::{Nanoseconds, SECOND};
 use crate::plant::Plant;
+use crate::symbol_index::SymbolIndex;
 use crate::timing::limits::{self, Accepted, Tail};
 
 use super::budget::Budget;
 use super::chains::{ChainIndex, ChainKind, Chains};
 use super::evidence::Evidence;
+use super::lanes::Lanes;
 use super::parameters::{Parameters, Timing};
 use super::rules::{Rule, RuleTable};
+use super::sisters::Names;
 use super::states::{StateId, States, full_state_name, short_state_name};
 
 /// Facts of the learning logs that are no rules.
@@ -50,9 +53,10 @@ pub struct NominalModel {
     pub(super) evidence: Evidence,
     pub(super) budget: Budget,
     tail: Tail,
-    /// For rules with an enabling event: accepted times since the device's own last event, for
-    /// when the transition happens without a fresh one.
-    pub(super) accepted_without: HashMap<usize, Vec<Accepted>>,
+    symbols: OnceLock<SymbolIndex>,
+    /// Made for the second monitor; from then on every one begins with a copy.
+    lanes: OnceLock<Lanes>,
+    watched: OnceLock<()>,
 }
 
 /// "Learned from the longest nominal pause": this many times it.
@@ -67,18 +71,14 @@ impl NominalModel {
         learned: Learned,
         parameters: Parameters,
     ) -> Self {
+        rules.shrink_to_fit();
         let chains = Chains::of(&plant);
         let table = RuleTable::build(&mut rules, &chains, states.len());
         let resolution_s = learned.resolution as f64 / SECOND as f64;
-        let evidence = Evidence::of(&rules, &chains, resolution_s);
-        let budget = Budget::of(&parameters, &learned, &rules, &chains);
-        let tail = Tail::new(budget.per_time);
-        let accepted_without = rules
-            .iter()
-            .enumerate()
-            .filter(|(_, rule)| rule.trigger.is_some())
-            .map(|(index, rule)| (index, limits::adaptive(&rule.clusters, tail, resolution_s)))
-            .collect();
+        let names = Names { plant: &plant, states: &states, chains: &chains };
+        let evidence = Evidence::of(&rules, names, resolution_s);
+        let budget = Budget::of(&parameters, &learned, &rules, &table, names, &evidence);
+        let tail = Tail::new(budget.per_tail);
         Self {
             plant,
             states,
@@ -90,8 +90,15 @@ impl NominalModel {
             evidence,
             budget,
             tail,
-            accepted_without,
+            symbols: OnceLock::new(),
+            lanes: OnceLock::new(),
+            watched: OnceLock::new(),
         }
+    }
+
+    /// What tells sisters.
+    pub(super) fn names(&self) -> Names<'_> {
+        Names { plant: &self.plant, states: &self.states, chains: &self.chains }
     }
 
     /// Device or group chain of a rule.
@@ -151,7 +158,7 @@ impl NominalModel {
     /// no time is remarkable.
     pub fn limits_of(&self, rule: &Rule) -> Vec<(f64, f64)> {
         let row = super::rules::row_of(rule.current, self.kind(rule.chain));
-        self.table.find(row, rule.next).map_or_else(Vec::new, |index| {
+        self.table.find(&self.rules, row, rule.next).map_or_else(Vec::new, |index| {
             self.accepted(index).iter().map(|a| (a.early_s, a.late_s)).collect()
         })
     }
@@ -166,15 +173,38 @@ impl NominalModel {
             Timing::Adaptive if self.kind(rule.chain) == ChainKind::Group => Vec::new(),
             Timing::Adaptive => {
                 let resolution_s = self.learned.resolution as f64 / SECOND as f64;
-                limits::adaptive(rule.judged(), self.tail, resolution_s)
+                let shapes = self.evidence.shapes(rule);
+                limits::adaptive(rule.judged(), self.tail, shapes, resolution_s)
             }
         }
+    }
+
+    /// Accepted times of a rule since the device's own last event: for a transition that happens
+    /// without its enabling one.
+    pub(super) fn accepted_without_trigger(&self, rule: usize) -> Vec<Accepted> {
+        let resolution_s = self.learned.resolution as f64 / SECOND as f64;
+        let shapes = self.evidence.shapes_without_trigger();
+        limits::adaptive(&self.rules[rule].clusters, self.tail, shapes, resolution_s)
     }
 
     /// Seconds after which a time is late, for the cluster that takes longest; `None` where no
     /// time is.
     pub(super) fn latest_s(&self, rule: usize) -> Option<f64> {
         self.accepted(rule).iter().map(|a| a.late_s).reduce(f64::max)
+    }
+
+    /// Finds signals by symbol.
+    pub fn symbols(&self) -> &SymbolIndex {
+        self.symbols.get_or_init(|| SymbolIndex::of(&self.plant))
+    }
+
+    /// Lanes on which nothing has been counted.
+    pub(super) fn fresh_lanes(&self) -> Lanes {
+        // Most processes watch with one monitor: it need not pay for another's lanes.
+        if self.watched.set(()).is_ok() {
+            return Lanes::of(self);
+        }
+        self.lanes.get_or_init(|| Lanes::of(self)).clone()
     }
 
     /// How long a group may pause before it has stopped.
@@ -200,7 +230,7 @@ impl NominalModel {
         for rule in &self.rules {
             hash.update(&rule.current.to_le_bytes());
             hash.update(&rule.next.to_le_bytes());
-            hash.update(&rule.count.to_le_bytes());
+            hash.update(&u64::from(rule.count).to_le_bytes());
             hash.update(&(rule.judged().len() as u64).to_le_bytes());
         }
         hash.digest()

@@ -8,7 +8,6 @@ mod paths;
 mod report;
 mod scan;
 
-use std::borrow::Cow;
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -19,15 +18,13 @@ use crate::log::{Nanoseconds, SECOND, SignalIndex};
 use crate::timing::limits::Accepted;
 
 use super::chains::{ChainIndex, ChainKind};
-use super::enabling::Trigger;
-use super::events::{Row, Values};
+use super::events::{Meaning, Row, Values};
 use super::incident::Incident;
 use super::lanes::{Counters, Lanes};
 use super::message;
 use super::model::NominalModel;
 use super::order::ScanOrder;
 use super::parameters::Timing;
-use super::rules::row_of;
 use super::snapshot::Snapshot;
 use super::states::{NO_STATE, StateId};
 
@@ -45,8 +42,6 @@ const OFFERS_AT_MOST: usize = 10_000;
 const WARMED_ROWS: usize = 16;
 /// Snapshots kept until somebody takes them.
 const SNAPSHOTS_AT_MOST: usize = 256;
-/// A state not entered since the start or a gap.
-const NEVER: Nanoseconds = Nanoseconds::MIN;
 /// Longest alarm path kept, in states.
 const PATH_AT_MOST: usize = 64;
 
@@ -96,8 +91,6 @@ struct Watch {
     values: Values,
     /// Per chain.
     here: Vec<Here>,
-    /// Per state: when it was last entered, for transitions it enables.
-    entered: Vec<Nanoseconds>,
     off_path: Vec<bool>,
     group_cycles: Vec<u64>,
     /// Per group: time and state of its latest event of any signal.
@@ -129,7 +122,7 @@ struct Saved {
     counters: Counters,
 }
 
-const STATE_VERSION: u32 = 1;
+const STATE_VERSION: u32 = 3;
 
 /// A state is entered.
 #[derive(Debug, Clone, Copy)]
@@ -179,7 +172,7 @@ pub struct Monitor {
     fresh_for: Nanoseconds,
     watch: Watch,
     findings: Vec<Finding>,
-    scratch: Vec<(ChainIndex, u32)>,
+    scratch: Vec<(ChainIndex, Entry)>,
 }
 
 impl Monitor {
@@ -191,7 +184,6 @@ impl Monitor {
         let watch = Watch {
             values: Values::new(signals),
             here: vec![NOWHERE; chains],
-            entered: vec![NEVER; model.states.len()],
             off_path: vec![false; chains],
             group_cycles: vec![0; groups],
             group_last: vec![Nanoseconds::MAX; groups],
@@ -214,7 +206,7 @@ impl Monitor {
                 .then(|| ScanOrder::of(&model.plant)),
             stall_after: (0..groups).map(|group| model.stall_after(group)).collect(),
             fresh_for: (model.parameters.return_within_s * SECOND as f64) as Nanoseconds,
-            lanes: Lanes::of(&model),
+            lanes: model.fresh_lanes(),
             watch,
             findings: Vec::new(),
             scratch: Vec::new(),
@@ -245,24 +237,54 @@ impl Monitor {
     /// # Errors
     /// A row older than one already watched; nothing of the batch is taken then.
     pub fn observe(&mut self, rows: &[Row]) -> Result<Vec<Finding>, MonitorError> {
-        let mut newest = self.watch.now;
-        for (index, row) in rows.iter().enumerate() {
-            if row.time < newest {
-                let late_s = newest.saturating_sub(row.time) as f64 / SECOND as f64;
-                return Err(MonitorError::Order { row: index + 1, late_s: format!("{late_s:.3}") });
-            }
-            newest = row.time;
-        }
+        self.take_rows(rows)?;
+        Ok(self.take_findings())
+    }
+
+    /// What [`Self::observe`] does, but for the findings: they wait for [`Self::take_findings`].
+    ///
+    /// # Errors
+    /// A row older than one already watched; nothing of the batch is taken then.
+    pub fn take_rows(&mut self, rows: &[Row]) -> Result<(), MonitorError> {
+        self.check_order(rows)?;
+        let mut taken = 0;
         for start in (0..rows.len()).step_by(WARMED_ROWS) {
             let end = rows.len().min(start + WARMED_ROWS);
             self.warm(&rows[start..end]);
-            for index in start..end {
-                match rows.get(index + 1) {
-                    Some(next) if self.stands_alone(rows[index], *next) => {
-                        self.take_alone(rows[index]);
-                    }
-                    _ => self.take(rows[index]),
-                }
+            while taken < end {
+                taken += self.take_next(&rows[taken..]);
+            }
+        }
+        Ok(())
+    }
+
+    /// All findings not taken yet.
+    pub fn take_findings(&mut self) -> Vec<Finding> {
+        std::mem::take(&mut self.findings)
+    }
+
+    /// Takes rows that say how signals stand, not that they changed: what a live source reads
+    /// first after its start or a gap, or when it meets a signal.
+    ///
+    /// # Errors
+    /// A row older than one already watched; nothing of the batch is taken then.
+    pub fn image(&mut self, rows: &[Row]) -> Result<Vec<Finding>, MonitorError> {
+        self.check_order(rows)?;
+        let (Some(first), Some(last)) = (rows.first(), rows.last()) else {
+            return Ok(Vec::new());
+        };
+        self.complete_scan();
+        self.pass_deadlines(first.time);
+        if std::mem::replace(&mut self.watch.resynchronise, false) {
+            self.resume_clocks(last.time);
+        }
+        self.watch.started = true;
+        self.watch.now = last.time;
+        for &row in rows {
+            if row.signal as usize >= self.model.plant.signals.len() {
+                self.report_unknown_signal(row);
+            } else if self.watch.values.take(row.signal, row.value) != Meaning::Sample {
+                self.lose_sight(row.signal);
             }
         }
         Ok(std::mem::take(&mut self.findings))
@@ -271,7 +293,9 @@ impl Monitor {
     /// Time went on to `now` without a change: completes the running scan, finds stalls and paths
     /// that did not return.
     pub fn advance(&mut self, now: Nanoseconds) -> Vec<Finding> {
-        if self.scan_is_over(now) {
+        // What is due is judged when all rows before it are: the running scan may hold the very
+        // event a group was waiting for.
+        if self.scan_is_over(now) || now >= self.watch.next_deadline {
             self.complete_scan();
         }
         if now > self.watch.now {
@@ -281,20 +305,30 @@ impl Monitor {
         std::mem::take(&mut self.findings)
     }
 
+    /// The newest time that was observed or advanced to; None before the first.
+    pub fn now(&self) -> Option<Nanoseconds> {
+        (self.watch.now != Nanoseconds::MIN).then_some(self.watch.now)
+    }
+
     /// Nothing was recorded from `start` to `end`: what follows has no predecessor.
     pub fn gap(&mut self, start: Nanoseconds, end: Nanoseconds) -> Vec<Finding> {
         self.complete_scan();
         let watch = &mut self.watch;
         watch.now = watch.now.max(end);
         watch.here.fill(NOWHERE);
-        watch.entered.fill(NEVER);
         watch.off_path.fill(false);
         watch.open.clear();
         watch.group_last.fill(Nanoseconds::MAX);
-        watch.group_stalled.fill(None);
+        for (stalled, last) in watch.group_stalled.iter_mut().zip(&mut watch.group_last_state) {
+            // A stop that has been told is not told again after the gap.
+            if stalled.take().is_some() {
+                *last = NO_STATE;
+            }
+        }
         watch.next_deadline = Nanoseconds::MAX;
         watch.resynchronise = true;
         watch.values.doubt();
+        self.lanes.forget_entries();
         let finding = message::gap(start, end);
         self.findings.push(finding);
         std::mem::take(&mut self.findings)
@@ -349,6 +383,31 @@ impl Monitor {
         Ok(monitor)
     }
 
+    fn check_order(&self, rows: &[Row]) -> Result<(), MonitorError> {
+        let mut newest = self.watch.now;
+        for (index, row) in rows.iter().enumerate() {
+            if row.time < newest {
+                let late_s = newest.saturating_sub(row.time) as f64 / SECOND as f64;
+                return Err(MonitorError::Order { row: index + 1, late_s: format!("{late_s:.3}") });
+            }
+            newest = row.time;
+        }
+        Ok(())
+    }
+
+    /// After a gap, a group that was moving before it is given its time to stall anew: a machine
+    /// that stopped unseen would otherwise never be told.
+    fn resume_clocks(&mut self, time: Nanoseconds) {
+        let watch = &mut self.watch;
+        for (group, last) in watch.group_last.iter_mut().enumerate() {
+            if *last == Nanoseconds::MAX && watch.group_last_state[group] != NO_STATE {
+                *last = time;
+                let deadline = time.saturating_add(self.stall_after[group]);
+                watch.next_deadline = watch.next_deadline.min(deadline);
+            }
+        }
+    }
+
     /// Name of a state, also of one first met while watching.
     pub(super) fn state_name(&self, state: StateId) -> String {
         let (signal, value) = self.signal_value(state);
@@ -372,15 +431,16 @@ impl Monitor {
         if from.state == NO_STATE {
             return;
         }
-        match self.lanes.find(self.model.table.row(row_of(from.state, kind)), event.state) {
-            Some(rule) => {
-                let timed = self.timed(rule, from.since, event);
+        match self.lanes.find(kind, from.state, event.state) {
+            Some(lane) => {
+                let timed = self.timed(lane, from.since, event);
                 let in_time = if timed.as_learned {
-                    self.lanes.take(rule, timed.took)
+                    self.lanes.take(lane, timed.took)
                 } else {
-                    self.take_without_trigger(rule, timed)
+                    self.take_without_trigger(lane, timed)
                 };
                 if !in_time {
+                    let rule = self.lanes.rule(lane);
                     self.report_time(chain, kind, rule, event.time, timed);
                 }
                 if self.watch.off_path[chain] {
@@ -398,34 +458,35 @@ impl Monitor {
     /// How long a transition took: since what enables it, or, where that has not happened afresh,
     /// since the device's own last event.
     #[inline]
-    fn timed(&self, rule: usize, own: Nanoseconds, event: Entry) -> Timed {
-        if !self.lanes.waits(rule) {
+    fn timed(&self, lane: usize, own: Nanoseconds, event: Entry) -> Timed {
+        if !self.lanes.waits(lane) {
             return Timed::new(own, event.time, true);
         }
-        match Trigger::due(self.lanes.trigger(rule), &self.watch.entered, event.before, own) {
+        match self.lanes.due(lane, event.before, own) {
             Some(due) => Timed::new(due, event.time, true),
             None => Timed::new(own, event.time, false),
         }
     }
 
-    /// A transition that happened without its enabling event, judged by the device's own times.
-    fn take_without_trigger(&mut self, rule: usize, timed: Timed) -> bool {
-        let accepted = self.accepted(rule, timed);
+    /// A known transition that happened without its enabling event, judged by the device's own
+    /// times.
+    fn take_without_trigger(&mut self, lane: usize, timed: Timed) -> bool {
+        let accepted = self.accepted(self.lanes.rule(lane), timed);
         let seconds = timed.seconds();
         let in_time = accepted.is_empty()
             || accepted.iter().any(|a| seconds >= a.early_s && seconds <= a.late_s);
         if in_time {
-            self.lanes.take_untimed(rule);
+            self.lanes.take_untimed(lane);
         }
         in_time
     }
 
     /// Accepted times of a rule: since its enabling event, or without one.
-    fn accepted(&self, rule: usize, timed: Timed) -> Cow<'_, [Accepted]> {
+    fn accepted(&self, rule: usize, timed: Timed) -> Vec<Accepted> {
         if timed.as_learned {
-            Cow::Owned(self.model.accepted(rule))
+            self.model.accepted(rule)
         } else {
-            Cow::Borrowed(self.model.accepted_without.get(&rule).map_or(&[], Vec::as_slice))
+            self.model.accepted_without_trigger(rule)
         }
     }
 

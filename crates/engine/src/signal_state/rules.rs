@@ -16,22 +16,22 @@ pub struct Rule {
     /// Signal-state after.
     pub next: StateId,
     /// How often it was learned.
-    pub count: u64,
+    pub count: u32,
     /// Of those, how often as a start-up artefact (from the first state after a start or gap) or
     /// by an operator's confirmation: known to be allowed, but no evidence of what is usual.
-    pub uncounted: u64,
+    pub uncounted: u32,
     /// Share of the transitions out of `current`.
     pub probability: f64,
     /// Place in the order of first appearance over the whole plant: causes before effects.
-    pub sequence: u64,
+    pub sequence: u32,
     /// Place in the order of first appearance inside its chain.
     pub position: u32,
     /// Long-run variance of the branch, see [`super::dispersion`].
     pub dispersion: f64,
     /// Its times; empty where none was ever measured (a confirmed path).
-    pub clusters: Vec<TimeCluster>,
+    pub clusters: Box<[TimeCluster]>,
     /// What it really waits for, where that is not the device's own last event.
-    pub trigger: Option<Trigger>,
+    pub trigger: Option<Box<Trigger>>,
 }
 
 impl Rule {
@@ -42,7 +42,7 @@ impl Rule {
 
     /// Instances that count as evidence.
     pub fn evidence(&self) -> u64 {
-        self.count.saturating_sub(self.uncounted)
+        u64::from(self.count.saturating_sub(self.uncounted))
     }
 }
 
@@ -50,7 +50,6 @@ impl Rule {
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct RuleTable {
     row_start: Vec<u32>,
-    next: Vec<StateId>,
 }
 
 /// Row of a state in the chain of a kind.
@@ -71,7 +70,7 @@ impl RuleTable {
         for row in 1..row_start.len() {
             row_start[row] += row_start[row - 1];
         }
-        Self { row_start, next: rules.iter().map(|rule| rule.next).collect() }
+        Self { row_start }
     }
 
     /// Indices of the rules of a row.
@@ -83,9 +82,14 @@ impl RuleTable {
         }
     }
 
+    /// Indices of the rules of every row.
+    pub fn rows(&self) -> impl Iterator<Item = std::ops::Range<usize>> + Clone + '_ {
+        self.row_start.windows(2).map(|ends| ends[0] as usize..ends[1] as usize)
+    }
+
     /// The rule from a row to a state.
     #[inline]
-    pub fn find(&self, row: usize, next: StateId) -> Option<usize> {
-        self.row(row).find(|&rule| self.next[rule] == next)
+    pub fn find(&self, rules: &[Rule], row: usize, next: StateId) -> Option<usize> {
+        self.row(row).find(|&rule| rules[rule].next == next)
     }
 }

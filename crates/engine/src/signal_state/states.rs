@@ -3,7 +3,9 @@
 //! The states of signal `s` at 0 and 1 are `2·s` and `2·s + 1`; other values of words get the
 //! numbers after those, in the order they are met. Names are looked up once, never while watching.
 
-use std::collections::HashMap;
+use std::hash::BuildHasher;
+
+use hashbrown::{DefaultHashBuilder, HashMap, HashTable};
 
 use crate::log::SignalIndex;
 use crate::plant::Plant;
@@ -83,28 +85,69 @@ pub fn value_suffix(word: bool, value: i64) -> String {
     }
 }
 
+fn push_value_suffix(name: &mut String, word: bool, value: i64) {
+    match value {
+        1 if !word => name.push_str("_ON"),
+        0 if !word => name.push_str("_OFF"),
+        _ => name.push_str(&value_suffix(word, value)),
+    }
+}
+
 /// `Group1-Device2-Signal2_ON`.
 pub fn full_state_name(plant: &Plant, signal: SignalIndex, value: i64) -> String {
-    plant.full_name(signal) + &value_suffix(plant.signals[signal as usize].word, value)
+    let parts = plant.name_parts(signal);
+    let mut full = String::with_capacity(parts.iter().map(|part| part.len()).sum::<usize>() + 8);
+    for part in parts {
+        full.push_str(part);
+    }
+    push_value_suffix(&mut full, plant.signals[signal as usize].word, value);
+    full
 }
 
 /// `Signal2_ON`, as it reads inside its device.
 pub fn short_state_name(plant: &Plant, signal: SignalIndex, value: i64) -> String {
     let signal = &plant.signals[signal as usize];
-    signal.name.clone() + &value_suffix(signal.word, value)
+    let mut short = String::with_capacity(signal.name.len() + 8);
+    short.push_str(&signal.name);
+    push_value_suffix(&mut short, signal.word, value);
+    short
 }
 
 /// Finds signal and value by a full state name.
-pub struct StateNames {
-    signals: HashMap<String, SignalIndex>,
+pub struct StateNames<'a> {
+    plant: &'a Plant,
+    signals: HashTable<SignalIndex>,
+    hasher: DefaultHashBuilder,
 }
 
-impl StateNames {
+impl<'a> StateNames<'a> {
     /// Reads the names of a plant.
-    pub fn of(plant: &Plant) -> Self {
-        let signals =
-            (0..plant.signals.len() as SignalIndex).map(|s| (plant.full_name(s), s)).collect();
-        Self { signals }
+    pub fn of(plant: &'a Plant) -> Self {
+        let hasher = DefaultHashBuilder::default();
+        let mut hashes = Vec::with_capacity(plant.signals.len());
+        let mut name = String::new();
+        for signal in 0..plant.signals.len() as SignalIndex {
+            name.clear();
+            for part in plant.name_parts(signal) {
+                name.push_str(part);
+            }
+            hashes.push(hasher.hash_one(name.as_str()));
+        }
+        let mut signals = HashTable::with_capacity(hashes.len());
+        // Of two with one name, the last is found.
+        for (signal, &hash) in (0..hashes.len() as SignalIndex).zip(&hashes).rev() {
+            signals.insert_unique(hash, signal, |&other: &SignalIndex| hashes[other as usize]);
+        }
+        Self { plant, signals, hasher }
+    }
+
+    fn find(&self, name: &str) -> Option<SignalIndex> {
+        let is_it = |&signal: &SignalIndex| {
+            let parts = self.plant.name_parts(signal);
+            let rest = parts.into_iter().try_fold(name, |rest, part| rest.strip_prefix(part));
+            rest == Some("")
+        };
+        self.signals.find(self.hasher.hash_one(name), is_it).copied()
     }
 
     /// Signal and value of `Group1-Device2-Signal2_ON` or `…-STEP=12`; `None` for another plant's.
@@ -115,8 +158,8 @@ impl StateNames {
             .or_else(|| name.strip_suffix("_OFF").map(|signal| (signal, 0)));
         let word = || {
             let (signal, value) = name.rsplit_once('=')?;
-            Some((*self.signals.get(signal)?, value.parse().ok()?))
+            Some((self.find(signal)?, value.parse().ok()?))
         };
-        boolean.and_then(|(signal, value)| Some((*self.signals.get(signal)?, value))).or_else(word)
+        boolean.and_then(|(signal, value)| Some((self.find(signal)?, value))).or_else(word)
     }
 }

@@ -7,10 +7,15 @@
 //! predictive tail is the Lomax (Pareto II) distribution with shape `n`:
 //! `P(X > maximum + m) = (1 + m / (n·scale))^-n / (n + 1)`.
 //! Few instances make a heavy tail and so a wide limit; no fixed allowance is needed. Motions
-//! bounded by mechanics have no exponential tail. Where enough instances show that clearly (the
-//! Gini coefficient of their distances from the median), the predictive tail is Student's t.
+//! bounded by mechanics have no exponential tail: how far theirs reach the whole plant tells
+//! ([`super::extremes`]), or, where it is small, Student's t. Which of the two a cluster has is a
+//! matter of probability ([`super::shape`]), and half the tail probability `α` pays for each: the
+//! limit is where bounded times are passed with `α/2`, or the Lomax law with `α/2` over the
+//! probability that it holds, whichever is farther.
 
 use super::TimeCluster;
+use super::extremes::Side;
+use super::shape::Shapes;
 
 /// Clusters with fewer instances are *rare but seen*: accepted, but no basis for a limit.
 pub const BODY_INSTANCES: u64 = 3;
@@ -35,50 +40,61 @@ pub struct Accepted {
     pub late_s: f64,
 }
 
-/// A tail probability per transition, and the normal deviate that goes with it.
+/// A tail probability per transition, and the normal deviate that half of it goes with.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Tail {
     alpha: f64,
-    z: f64,
+    z_of_half: f64,
 }
 
 impl Tail {
     /// The tail passed with probability `alpha`.
     pub fn new(alpha: f64) -> Self {
-        Self { alpha, z: normal_quantile(alpha) }
+        Self { alpha, z_of_half: normal_quantile(alpha / 2.0) }
     }
 }
 
 /// Accepted times per cluster for a tail probability per transition. An empty answer means that
 /// no time is remarkable, since too few were seen.
-pub fn adaptive(clusters: &[TimeCluster], tail: Tail, resolution_s: f64) -> Vec<Accepted> {
-    let Tail { alpha, z } = tail;
+pub fn adaptive(
+    clusters: &[TimeCluster],
+    tail: Tail,
+    shapes: &Shapes,
+    resolution_s: f64,
+) -> Vec<Accepted> {
     if !clusters.iter().any(|c| c.instances >= BODY_INSTANCES) {
         return Vec::new();
     }
     clusters
         .iter()
         .map(|cluster| {
-            let reach = |scale: f64, extreme: f64| {
+            let instances = cluster.instances as f64;
+            let exponential = shapes.exponential(cluster);
+            let reach = |side: Side, scale: f64, extreme: f64| {
                 let scale = scale.max(resolution_s);
                 if cluster.instances < BODY_INSTANCES {
                     return extreme + scale;
                 }
-                let exponential = extreme + lomax_margin(cluster.instances as f64, scale, alpha);
-                if is_bounded(cluster) {
-                    exponential.min(
-                        (normal_reach(cluster.instances as f64, scale, z)).max(extreme + scale),
-                    )
-                } else {
-                    exponential
+                if exponential >= 1.0 {
+                    return extreme + lomax_margin(instances, scale, tail.alpha);
                 }
+                let alpha = (tail.alpha / (2.0 * exponential)).min(1.0);
+                // The nearer of the two: a few clusters that are two times in one would otherwise
+                // widen the limits of all.
+                let deviation = cluster.deviation_s.max(resolution_s);
+                let of_plant = shapes.extremes(side, cluster.instances);
+                let bounded = of_plant
+                    .map_or(f64::INFINITY, |law| deviation * law.distance(tail.alpha / 2.0))
+                    .min(normal_reach(instances, scale, tail.z_of_half));
+                (extreme + lomax_margin(instances, scale, alpha)).max(bounded).max(extreme + scale)
             };
             // Distances from the average outwards, to either side.
             let (below, above) =
                 (cluster.average_s - cluster.minimum_s, cluster.maximum_s - cluster.average_s);
             Accepted {
-                early_s: (cluster.average_s - reach(cluster.early_scale_s, below)).max(0.0),
-                late_s: cluster.average_s + reach(cluster.late_scale_s, above),
+                early_s: (cluster.average_s - reach(Side::Early, cluster.early_scale_s, below))
+                    .max(0.0),
+                late_s: cluster.average_s + reach(Side::Late, cluster.late_scale_s, above),
             }
         })
         .collect()
@@ -94,24 +110,14 @@ pub fn plat(clusters: &[TimeCluster], allowance_s: Option<f64>) -> Vec<Accepted>
         .collect()
 }
 
-/// Instances from which the shape of a tail can be told.
-const SHAPE_INSTANCES: u64 = 20;
-/// Deviations of the Gini coefficient below ½ that rule exponential tails out.
-const SHAPE_DEVIATIONS: f64 = 3.5;
-
-/// True where the instances rule an exponential tail out.
-fn is_bounded(cluster: &TimeCluster) -> bool {
-    // The Gini coefficient of n exponential draws has mean ½ and variance 1/(12 n).
-    let deviation = (12.0 * cluster.instances as f64).sqrt().recip();
-    cluster.instances >= SHAPE_INSTANCES && cluster.tail_gini < 0.5 - SHAPE_DEVIATIONS * deviation
-}
-
 /// Distance from the centre that Student's t passes with the probability of `z`; `scale` is the
 /// mean distance of a half, √(2/π) of a normal law's deviation.
 fn normal_reach(instances: f64, scale: f64, z: f64) -> f64 {
     let degrees = instances - 1.0;
-    // Peiser's expansion of the quantile of Student's t.
-    let t = z + (z.powi(3) + z) / (4.0 * degrees);
+    // The quantile of Student's t by its expansion (Peizer & Pratt; Abramowitz & Stegun 26.7.5).
+    let t = z
+        + (z.powi(3) + z) / (4.0 * degrees)
+        + (5.0 * z.powi(5) + 16.0 * z.powi(3) + 3.0 * z) / (96.0 * degrees.powi(2));
     t * scale * (std::f64::consts::PI / 2.0).sqrt() * (1.0 + 1.0 / instances).sqrt()
 }
 

@@ -36,23 +36,24 @@ impl Monitor {
     ) {
         let model = Arc::clone(&self.model);
         let seconds = timed.seconds();
+        let accepted = self.accepted(rule, timed);
         let (found, limit_s) = match model.parameters.timing {
             Timing::Plat => {
-                let limits = model.accepted(rule);
                 let cluster = self.nearest_maximum(rule, seconds);
-                (Kind::Late, cluster.map_or(f64::INFINITY, |cluster| limits[cluster].late_s))
+                (Kind::Late, cluster.map_or(f64::INFINITY, |cluster| accepted[cluster].late_s))
             }
-            Timing::Adaptive => broken_limit(&self.accepted(rule, timed), seconds),
+            Timing::Adaptive => broken_limit(&accepted, seconds),
         };
         let affordable = model.parameters.timing == Timing::Plat
-            || model.evidence.odd_time(&model.rules[rule], seconds) <= model.budget.per_time;
+            || model.evidence.odd_time(&model.rules[rule], model.names(), seconds)
+                <= model.budget.per_time;
         let mut finding = self.at(found, chain, kind, model.rules[rule].next, time);
         finding.severity = if affordable { Severity::Anomaly } else { Severity::Notice };
         finding.from = Some(self.state_name(model.rules[rule].current));
         finding.expected = vec![Expected {
-            state: self.state_name(model.rules[rule].next),
+            state: finding.to.clone().unwrap_or_default(),
             probability: model.rules[rule].probability,
-            limit_s: self.accepted(rule, timed).iter().map(|a| a.late_s).reduce(f64::max),
+            limit_s: accepted.iter().map(|a| a.late_s).reduce(f64::max),
         }];
         finding.observed_s = Some(seconds);
         finding.limit_s = Some(limit_s);
@@ -73,7 +74,12 @@ impl Monitor {
         let unseen = if model.parameters.timing == Timing::Plat {
             0.0
         } else {
-            model.evidence.unknown_transition(&model.rules, &model.table, chain, kind, from)
+            model.evidence.unknown_transition(
+                &model.rules,
+                &model.table,
+                model.names(),
+                (chain, from),
+            )
         };
         let mut finding = self.at(Kind::Transition, chain, kind, to, time);
         finding.severity =
@@ -93,7 +99,7 @@ impl Monitor {
             time,
         );
         let deadline = time.saturating_add(self.fresh_for);
-        let placed = self.place(finding, chain, kind, Waiting { since, inherits: false });
+        let placed = self.place(finding, chain, kind, Waiting { since, inherits: false }).clone();
         self.watch.off_path[chain] = true;
         self.watch.next_deadline = self.watch.next_deadline.min(deadline);
         self.watch.open.push(OpenPath {
@@ -147,7 +153,7 @@ impl Monitor {
         finding.suspects = message::stall_suspects(&model, last, signal);
         finding.message = message::stall(&finding);
         let waiting = Waiting { since, inherits: false };
-        let placed = self.place(finding, device, ChainKind::Device, waiting);
+        let placed = self.place(finding, device, ChainKind::Device, waiting).clone();
         self.watch.group_stalled[group] = Some(placed);
     }
 
@@ -176,11 +182,7 @@ impl Monitor {
             finding.message = message::departure(&model, &departure, &finding);
             self.place(finding, rule.chain, kind, Waiting { since: time, inherits: false });
         }
-        for index in 0..model.rules.len() {
-            if model.chains.group_of(model.rules[index].chain) == group {
-                self.lanes.reset(index);
-            }
-        }
+        self.lanes.reset(group);
     }
 
     /// A finding of a kind at a chain, its state's signal filled in.
@@ -220,7 +222,7 @@ impl Monitor {
         chain: ChainIndex,
         kind: ChainKind,
         waiting: Waiting,
-    ) -> Finding {
+    ) -> &Finding {
         if finding.id.is_empty() {
             finding.id = stable_id(
                 finding.kind,
@@ -262,8 +264,9 @@ impl Monitor {
                 self.watch.snapshots.push(snapshot);
             }
         }
-        self.findings.push(finding.clone());
-        finding
+        let place = self.findings.len();
+        self.findings.push(finding);
+        &self.findings[place]
     }
 }
 

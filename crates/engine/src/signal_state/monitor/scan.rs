@@ -3,46 +3,69 @@
 use crate::log::{Nanoseconds, SignalIndex};
 use crate::signal_state::chains::{ChainIndex, ChainKind};
 use crate::signal_state::events::{Meaning, Row, is_image};
+use crate::signal_state::lanes::NEVER;
 use crate::signal_state::rules::row_of;
 use crate::signal_state::states::{NO_STATE, StateId};
 
-use super::{Entry, FURTHER_STATES_AT_MOST, Monitor, NEVER, NOWHERE, REORDER_AT_MOST};
+use super::{Entry, FURTHER_STATES_AT_MOST, Monitor, NOWHERE, REORDER_AT_MOST};
 
 impl Monitor {
-    /// Touches what the rows will probably need. The memory behind a big plant's lanes is the cost
-    /// of watching it; loads that do not wait for one another share their latency.
+    /// Touches the lanes the rows lead to. The memory behind a big plant's lanes is the cost of
+    /// watching it; loads that do not wait for one another share their latency.
     #[inline]
     pub(super) fn warm(&self, rows: &[Row]) {
         let mut touched = 0;
         for row in rows {
-            if (row.signal as usize) < self.model.plant.signals.len() {
-                let device = self.model.chains.device_chain(row.signal);
-                let from = self.watch.here[device].state;
-                if from != NO_STATE {
-                    let row = self.model.table.row(row_of(from, ChainKind::Device));
-                    touched ^= self.lanes.touch(row.start);
-                }
-            }
+            // Booleans; the few words come as they come.
+            touched ^= self.lanes.touch(2 * row.signal as usize + (row.value & 1) as usize);
+        }
+        for row in rows {
+            touched ^= self.lanes.touch_further(2 * row.signal as usize + (row.value & 1) as usize);
         }
         std::hint::black_box(touched);
     }
 
-    /// True where a row is a scan of its own and nothing else is due before it.
+    /// Takes the first of the rows, and those of its scan where that is complete; returns how many.
     #[inline]
-    pub(super) fn stands_alone(&self, row: Row, next: Row) -> bool {
-        let age = next.time.saturating_sub(row.time);
-        self.watch.pending.is_empty()
-            && age > 0
-            && age >= self.model.learned.scan_window
-            && row.time < self.watch.next_deadline
-            && self.watch.started
-            && !self.watch.resynchronise
-            && (row.signal as usize) < self.model.plant.signals.len()
+    pub(super) fn take_next(&mut self, rows: &[Row]) -> usize {
+        let row = rows[0];
+        if self.scan_is_over(row.time) {
+            self.complete_scan();
+        }
+        let watch = &self.watch;
+        if watch.pending.is_empty() && watch.started && !watch.resynchronise {
+            let length = self.scan_length(rows);
+            if let Some(last) = rows[..length].last()
+                && last.time < watch.next_deadline
+            {
+                if length == 1 && (row.signal as usize) < self.model.plant.signals.len() {
+                    self.take_alone(row);
+                } else {
+                    self.watch.now = last.time;
+                    self.watch.pending.extend_from_slice(&rows[..length]);
+                    self.complete_scan();
+                }
+                return length;
+            }
+        }
+        self.take(row);
+        1
     }
 
-    /// What [`Self::take`] comes to for a row that stands alone.
+    /// Number of rows in the first scan of the rows; zero where they do not show its end.
     #[inline]
-    pub(super) fn take_alone(&mut self, row: Row) {
+    fn scan_length(&self, rows: &[Row]) -> usize {
+        let window = self.model.learned.scan_window;
+        let over = |row: &Row| {
+            let age = row.time.saturating_sub(rows[0].time);
+            age > 0 && age >= window
+        };
+        rows.iter().position(over).unwrap_or_default()
+    }
+
+    /// What [`Self::take`] comes to for a row that is a scan of its own.
+    #[inline]
+    fn take_alone(&mut self, row: Row) {
         self.watch.now = row.time;
         match self.watch.values.take(row.signal, row.value) {
             Meaning::Event => self.step_event(row),
@@ -86,7 +109,9 @@ impl Monitor {
             self.watch.resynchronise = is_image(of_first_time.map(|row| row.value));
         }
         let resynchronise_until = self.watch.resynchronise.then_some(first.time);
-        self.watch.resynchronise = false;
+        if std::mem::replace(&mut self.watch.resynchronise, false) {
+            self.resume_clocks(first.time);
+        }
         let known = self.model.plant.signals.len() as SignalIndex;
         let mut events = 0;
         for index in 0..rows.len() {
@@ -126,9 +151,8 @@ impl Monitor {
     }
 
     pub(super) fn step_event(&mut self, row: Row) {
-        let entry = self.enter(row);
-        let group = self.model.chains.group_chain(row.signal);
-        self.step(self.model.chains.device_chain(row.signal), ChainKind::Device, entry);
+        let (entry, device, group) = self.enter(row);
+        self.step(device, ChainKind::Device, entry);
         if let Some(chain) = group {
             self.step(chain, ChainKind::Group, entry);
         }
@@ -136,31 +160,37 @@ impl Monitor {
 
     /// Several events of one scan: each chain may take its own in whichever order it knows.
     pub(super) fn step_scan(&mut self, rows: &[Row]) {
-        let mut by_chain = std::mem::take(&mut self.scratch);
-        by_chain.clear();
-        let entries: Vec<Entry> = rows.iter().map(|row| self.enter(*row)).collect();
-        for (index, row) in (0..).zip(rows) {
-            by_chain.push((self.model.chains.device_chain(row.signal), index));
-            by_chain.extend(self.model.chains.group_chain(row.signal).map(|chain| (chain, index)));
+        let mut steps = std::mem::take(&mut self.scratch);
+        steps.clear();
+        for row in rows {
+            let (entry, device, group) = self.enter(*row);
+            steps.push((device, entry));
+            steps.extend(group.map(|chain| (chain, entry)));
         }
-        by_chain.sort_by_key(|(chain, _)| *chain);
-        for run in by_chain.chunk_by(|a, b| a.0 == b.0) {
-            let chain = run[0].0;
+        steps.sort_by_key(|(chain, _)| *chain);
+        let mut start = 0;
+        while start < steps.len() {
+            let (chain, entry) = steps[start];
             let kind = self.model.chains.kind(chain);
-            if let [(_, only)] = run {
-                self.step(chain, kind, entries[*only as usize]);
-                continue;
+            let length = steps[start..].iter().take_while(|(other, _)| *other == chain).count();
+            if length == 1 {
+                self.step(chain, kind, entry);
+            } else {
+                self.step_together(chain, kind, &steps[start..start + length]);
             }
-            let mut events: Vec<Entry> =
-                run.iter().map(|&(_, index)| entries[index as usize]).collect();
-            if self.order.is_some() {
-                self.reorder(chain, kind, &mut events);
-            }
-            for event in events {
-                self.step(chain, kind, event);
-            }
+            start += length;
         }
-        self.scratch = by_chain;
+        self.scratch = steps;
+    }
+
+    fn step_together(&mut self, chain: ChainIndex, kind: ChainKind, steps: &[(ChainIndex, Entry)]) {
+        let mut events: Vec<Entry> = steps.iter().map(|(_, entry)| *entry).collect();
+        if self.order.is_some() {
+            self.reorder(chain, kind, &mut events);
+        }
+        for event in events {
+            self.step(chain, kind, event);
+        }
     }
 
     /// Puts the events of one scan into an order the chain knows, if there is one.
@@ -179,7 +209,11 @@ impl Monitor {
         let mut state = self.watch.here[chain].state;
         events.iter().all(|event| {
             let known = state == NO_STATE
-                || self.model.table.find(row_of(state, kind), event.state).is_some();
+                || self
+                    .model
+                    .table
+                    .find(&self.model.rules, row_of(state, kind), event.state)
+                    .is_some();
             state = event.state;
             known
         })
@@ -203,8 +237,8 @@ impl Monitor {
             let waits = (0..index).any(|earlier| {
                 !order.contains(&earlier) && self.signal_value(events[earlier].state).0 == signal
             });
-            let known =
-                state == NO_STATE || self.model.table.find(row_of(state, kind), next).is_some();
+            let known = state == NO_STATE
+                || self.model.table.find(&self.model.rules, row_of(state, kind), next).is_some();
             if order.contains(&index) || waits || !known {
                 continue;
             }
@@ -232,17 +266,21 @@ impl Monitor {
         (known + place) as StateId
     }
 
-    /// Keeps when a state was entered, and when and where its group last moved.
+    /// Keeps when a state was entered, and when and where its group last moved. Returns the chains
+    /// that move with it, too.
     #[inline]
-    pub(super) fn enter(&mut self, row: Row) -> Entry {
+    pub(super) fn enter(&mut self, row: Row) -> (Entry, ChainIndex, Option<ChainIndex>) {
         let state = self.intern(row.signal, row.value);
-        let before = if self.lanes.tracks(state) {
-            std::mem::replace(&mut self.watch.entered[state as usize], row.time)
-        } else {
-            NEVER
-        };
         let chains = &self.model.chains;
-        let group = chains.group_of(chains.device_chain(row.signal));
+        let (before, device, starting) = match self.lanes.enter(state, row.time) {
+            Some(entered) => (entered.before, entered.device, entered.starting),
+            None => {
+                let starting = chains.group_chain(row.signal).is_some();
+                (NEVER, chains.device_chain(row.signal), starting)
+            }
+        };
+        let group = chains.group_of(device);
+        let group_chain = starting.then(|| chains.chain_of_group(group));
         self.watch.group_last[group] = row.time;
         self.watch.group_last_state[group] = state;
         let deadline = row.time.saturating_add(self.stall_after[group]);
@@ -252,6 +290,6 @@ impl Monitor {
         if self.watch.group_stalled[group].is_some() {
             self.stall_returned(group, row.time);
         }
-        Entry { state, time: row.time, before }
+        (Entry { state, time: row.time, before }, device, group_chain)
     }
 }

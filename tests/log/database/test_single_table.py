@@ -1,17 +1,15 @@
 """Logs in tables of real databases: SQLite files, and PostgreSQL where it can be started."""
 
 import os
-import shutil
 import sqlite3
-import subprocess
-import tempfile
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import pytest
 
 import runglight as rl
-from runglight.log import database
+from runglight.log.database import columns, quality, single_table
+from runglight.log.database import url as database_url_module
 from tests.conftest import Command, simulated
 
 pytest.importorskip("sqlalchemy")
@@ -163,7 +161,7 @@ def test_a_table_of_samples(tmp_path: Path) -> None:
 
 
 def test_many_partitions_equal_the_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(database, "ROWS_AT_ONCE", 7)
+    monkeypatch.setattr(single_table, "ROWS_AT_ONCE", 7)
     log = simulated(cycles=2)
     log.write(tmp_path / "log.csv")
     lines = (tmp_path / "log.csv").read_text(encoding="utf-8").splitlines()[1:]
@@ -178,14 +176,14 @@ def test_many_partitions_equal_the_file(tmp_path: Path, monkeypatch: pytest.Monk
 def test_what_is_no_log_is_said_before_all_is_fetched(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(database, "ROWS_AT_ONCE", 2)
+    monkeypatch.setattr(single_table, "ROWS_AT_ONCE", 2)
     fetched = []
 
     def good(quality: object) -> bool:
         fetched.append(quality)
         return True
 
-    monkeypatch.setattr(database, "_good", good)
+    monkeypatch.setattr(quality, "good", good)
     url = stored(
         tmp_path / "no.db",
         "CREATE TABLE recipes (title TEXT, author TEXT, _quality INTEGER)",
@@ -320,8 +318,10 @@ def test_an_unreachable_server(refused: Refused) -> None:
 
 
 def test_secrets_in_what_a_driver_says() -> None:
-    url = database.make_url("mssql+pyodbc://joe:one@host/db?odbc_connect=UID%3Djoe%3BPWD%3Dtwo%3B")
-    assert database._reason(ValueError("one of PWD=two;\n is wrong."), url) == (
+    url = database_url_module.make_url(
+        "mssql+pyodbc://joe:one@host/db?odbc_connect=UID%3Djoe%3BPWD%3Dtwo%3B"
+    )
+    assert database_url_module.reason(ValueError("one of PWD=two;\n is wrong."), url) == (
         "*** of PWD=***; is wrong"
     )
 
@@ -380,53 +380,12 @@ def test_without_a_driver(
 
 
 def test_times_are_named_as_in_files() -> None:
-    layout = Path(__file__).parents[2] / "crates" / "formats" / "src" / "layout.rs"
+    layout = Path(__file__).parents[3] / "crates" / "formats" / "src" / "layout.rs"
     names = layout.read_text(encoding="utf-8").partition("const TIME_NAMES")[2]
     listed = names.partition("= [")[2].partition("]")[0]
     assert [name.strip().strip('"') for name in listed.split(",") if name.strip()] == list(
-        database.TIME_NAMES
+        columns.TIME_NAMES
     )
-
-
-@pytest.fixture(scope="module")
-def postgresql() -> Iterator[str]:
-    """The URL of a PostgreSQL server of our own, reached through a socket in its directory."""
-    pytest.importorskip("psycopg")
-    programs = max(Path("/usr/lib/postgresql").glob("*/bin/initdb"), default=None)
-    if programs is None:
-        pytest.skip("no PostgreSQL server on this system")
-    user = None
-    if os.geteuid() == 0:
-        pwd = pytest.importorskip("pwd")
-        if "postgres" not in {each.pw_name for each in pwd.getpwall()}:
-            pytest.skip("PostgreSQL does not run as root, and there is no user postgres")
-        user = "postgres"
-    # Not pytest's directory: a socket's path must be short, and the server's user must reach it.
-    directory = Path(tempfile.mkdtemp(prefix="pg-"))
-    if user is not None:
-        shutil.chown(directory, user)
-
-    def run(program: str, *arguments: str) -> None:
-        subprocess.run(
-            [programs.with_name(program), "-D", directory / "data", *arguments],
-            cwd=directory,
-            user=user,
-            stdin=subprocess.DEVNULL,
-            stdout=subprocess.DEVNULL,
-            stderr=subprocess.DEVNULL,
-            check=True,
-            timeout=120,
-        )
-
-    try:
-        run("initdb", "-U", "runglight", "-A", "trust", "-E", "UTF8", "--no-sync")
-        run("pg_ctl", "start", "-w", "-l", "log", "-o", f"-k {directory} -c listen_addresses=''")
-        try:
-            yield f"postgresql://runglight:hidden@/postgres?host={directory}"
-        finally:
-            run("pg_ctl", "stop", "-m", "immediate")
-    finally:
-        shutil.rmtree(directory)
 
 
 def test_postgresql(postgresql: str, runglight: Command, refused: Refused, tmp_path: Path) -> None:

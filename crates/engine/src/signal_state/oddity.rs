@@ -1,0 +1,102 @@
+//! How odd a healthy plant is, and its parts: unseen mass, shared between those who are alike.
+//!
+//! Good-Turing: after `n` draws of which `s` kinds were seen once, the next draw is of an unseen
+//! kind with probability `s/n`. A part (a device, a family of sisters) is as odd as the plant,
+//! unless parts differ by more than chance: then in so far as they do. The number of odd kinds of a
+//! part is Poisson, its rate over the plant's gamma with mean 1, and the gamma's shape `k` is found
+//! by moments; a part with `a` odd kinds where `e` were to be expected is `(k + a)/(k + e)` times as
+//! odd as the plant.
+
+// Ordered maps: sums must not depend on the order in which a table happens to lie.
+use std::collections::BTreeMap;
+
+/// What a plant with no evidence at all is taken to hide: one half of one kind.
+const PRIOR_ONCE: f64 = 0.5;
+
+/// What was drawn, and how much of it was odd.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Tally {
+    /// Odd draws.
+    pub once: f64,
+    /// Kinds with an odd draw.
+    pub kinds: f64,
+    /// All draws.
+    pub draws: f64,
+}
+
+impl Tally {
+    /// Unseen mass where what one draw tells is known from elsewhere.
+    pub fn unseen(self, from_above: f64) -> f64 {
+        (self.once + from_above) / (self.draws + 1.0)
+    }
+
+    /// Takes in another's draws.
+    pub fn add(&mut self, other: Self) {
+        self.once += other.once;
+        self.kinds += other.kinds;
+        self.draws += other.draws;
+    }
+}
+
+/// Unseen mass of a plant, and how its parts differ, for parts named by `Part`.
+#[derive(Debug, Clone)]
+pub struct Parts<Part> {
+    ratios: BTreeMap<Part, f64>,
+}
+
+impl<Part: Copy + Ord> Parts<Part> {
+    /// From the tallies of all parts.
+    pub fn of(tallies: &BTreeMap<Part, Tally>) -> Self {
+        let mut sum = Tally::default();
+        tallies.values().for_each(|tally| sum.add(*tally));
+        let rate = (sum.kinds + PRIOR_ONCE) / (sum.draws + 1.0);
+        let expected = |tally: &Tally| rate * tally.draws;
+        let (squares, excess) = tallies.values().fold((0.0, 0.0), |(squares, excess), tally| {
+            let of_part = expected(tally);
+            (squares + of_part.powi(2), excess + (tally.kinds - of_part).powi(2) - of_part)
+        });
+        if excess <= 0.0 {
+            return Self { ratios: BTreeMap::new() };
+        }
+        let shape = squares / excess;
+        let ratio = |tally: &Tally| (shape + tally.kinds) / (shape + expected(tally));
+        Self { ratios: tallies.iter().map(|(&part, tally)| (part, ratio(tally))).collect() }
+    }
+
+    /// How much odder a part is than the plant; one where parts do not differ, or nothing was drawn.
+    pub fn ratio(&self, part: Part) -> f64 {
+        self.ratios.get(&part).copied().unwrap_or(1.0)
+    }
+}
+
+/// Unseen mass of a plant as a whole.
+pub fn of_plant<'a>(tallies: impl Iterator<Item = &'a Tally>) -> f64 {
+    let mut sum = Tally::default();
+    tallies.for_each(|tally| sum.add(*tally));
+    sum.unseen(PRIOR_ONCE)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn tally(kinds: f64) -> Tally {
+        Tally { once: kinds, kinds, draws: 1000.0 }
+    }
+
+    #[test]
+    fn parts_that_differ_by_chance_are_alike() {
+        let alike = (0..100).map(|part| (part, tally(f64::from(part % 3)))).collect();
+        let parts = Parts::of(&alike);
+        assert!((parts.ratio(0) - 1.0).abs() < 0.01 && (parts.ratio(2) - 1.0).abs() < 0.01);
+    }
+
+    #[test]
+    fn one_odd_part_does_not_make_the_others_odd() {
+        let mut tallies: BTreeMap<i32, Tally> = (0..100).map(|part| (part, tally(0.0))).collect();
+        tallies.insert(100, tally(60.0));
+        let parts = Parts::of(&tallies);
+        assert!(parts.ratio(3) < 0.1);
+        assert!(parts.ratio(100) > 50.0);
+    }
+}

@@ -1,0 +1,60 @@
+//! Sisters: transitions and states that are called alike but for numbers.
+//!
+//! `Group1-WeldGun039-Overheat_ON → Overheat_OFF` and the same of every other weld gun are of one
+//! make, so that what one does now and then the others may do as well. A plant whose names carry
+//! no numbers has no sisters, and every transition stands for itself.
+
+use crate::plant::Plant;
+
+use super::chains::{ChainKind, Chains};
+use super::rules::Rule;
+use super::states::{StateId, States};
+
+/// What sisters have in common.
+pub type Family = u64;
+
+/// Where a plant's names are, to tell sisters by.
+#[derive(Clone, Copy)]
+pub struct Names<'a> {
+    /// Its signals and devices.
+    pub plant: &'a Plant,
+    /// Its signal-states.
+    pub states: &'a States,
+    /// Which chain is a device's.
+    pub chains: &'a Chains,
+}
+
+impl Names<'_> {
+    /// The family of a transition.
+    pub fn of_rule(&self, rule: &Rule) -> Family {
+        let mut hash = xxhash_rust::xxh3::Xxh3::new();
+        self.add(&mut hash, rule.current, self.chains.kind(rule.chain));
+        self.add(&mut hash, rule.next, self.chains.kind(rule.chain));
+        hash.digest()
+    }
+
+    /// The family of a state in the chain of a kind.
+    pub fn of_state(&self, state: StateId, kind: ChainKind) -> Family {
+        let mut hash = xxhash_rust::xxh3::Xxh3::new();
+        self.add(&mut hash, state, kind);
+        hash.digest()
+    }
+
+    fn add(&self, hash: &mut xxhash_rust::xxh3::Xxh3, state: StateId, kind: ChainKind) {
+        // A state first met while watching has no sisters.
+        if state as usize >= self.states.len() {
+            return;
+        }
+        let (signal, value) = self.states.signal_value(state);
+        let of_signal = &self.plant.signals[signal as usize];
+        let device = &self.plant.device_of(signal).name;
+        for name in [device, &of_signal.name] {
+            for part in name.split(|c: char| c.is_ascii_digit()) {
+                hash.update(part.as_bytes());
+            }
+            hash.update(&[0]);
+        }
+        hash.update(&value.to_le_bytes());
+        hash.update(&[u8::from(kind == ChainKind::Group)]);
+    }
+}

@@ -1,0 +1,39 @@
+"""What the model calls a signal that a tap delivers."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from runglight.log.symbols import names_by_address, read_symbols
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from runglight.configuration import Symbols
+    from runglight.model import NominalModel
+    from runglight.taps.base import TapSignal
+
+
+def model_names(model: NominalModel, symbols: Symbols) -> Callable[[TapSignal], str]:
+    """A function from a tap's signal to its name in the model.
+
+    A signal the model knows by its own name keeps it. Otherwise its name or address is looked up
+    in the symbol table of the configuration, then in the one the model was learned with.
+    """
+    known = set(model.signals)
+    tables = [names_by_address(model.symbols(), symbols.naming)]
+    if symbols.table is not None:
+        table = read_symbols(Path(symbols.table))
+        tables.insert(0, names_by_address(table, symbols.naming))
+
+    def name_of(signal: TapSignal) -> str:
+        if signal.name in known:
+            return signal.name
+        for names in tables:
+            for called in (signal.name, signal.address):
+                if names.get(called) in known:
+                    return names[called]
+        return signal.address if signal.address in known else signal.name
+
+    return name_of
