@@ -49,6 +49,15 @@ def docstrings(room: object) -> dict[str, str]:
     return said
 
 
+REGIONS_TABLE = """
+## [regions]
+
+Bits of the cycle machine watched as one word, under names of your own: a range (`"I0.0-I7.7"`,
+`"I8-I20 by byte"`), or a list of addresses or names, the first the highest bit. Without it, or with
+`regions = "auto"` above all tables, regions are proposed from the log.
+"""
+
+
 def configuration_page() -> str:
     """Every table and key of runglight.toml."""
     page = (
@@ -58,6 +67,9 @@ def configuration_page() -> str:
         "it. Paths are relative to the file. An unknown key is an error.\n"
     )
     for table in msgspec.structs.fields(Configuration):
+        if table.name == "regions":
+            page += REGIONS_TABLE
+            continue
         sentence = (inspect.getdoc(table.type) or "").partition(": ")[2]
         page += f"\n## [{table.name}]\n\n{sentence[:1].upper()}{sentence[1:]}\n\n"
         page += "| key | default | meaning |\n|---|---|---|\n"

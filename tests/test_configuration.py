@@ -148,6 +148,7 @@ def test_every_option_of_the_machine_has_its_key() -> None:
     keys = {
         field.name
         for table in msgspec.structs.fields(type(load_configuration()))
+        if table.name != "regions"  # its keys are the user's own
         for field in msgspec.structs.fields(table.type)
     }
     renamed = {
@@ -189,3 +190,48 @@ def test_the_example_is_right() -> None:
 def test_an_error_in_it_is_one_line(refused: Callable[..., str], tmp_path: Path) -> None:
     (tmp_path / "runglight.toml").write_text("[watch]\nformat = 'xml'\n", encoding="utf-8")
     assert "runglight.toml: [watch]: format: " in refused("watch", "cell.model", "log.csv")
+
+
+PRESS = """
+[modes]
+work_complete = "M0.0"
+manual = "M0.1"
+
+[regions]
+checks = "I0.0-I7.7"
+clamps = ["I12.0", "I12.2"]
+
+[cycle]
+mode = "word"
+"""
+
+
+def test_a_cycle_machine_is_asked_for_by_its_mode_bits(tmp_path: Path) -> None:
+    file = tmp_path / "press.toml"
+    file.write_text(PRESS, encoding="utf-8")
+    settings = json.loads(load_configuration(file).cycle_json() or "")
+    assert settings["modes"]["manual"] == ["M0.1"]
+    assert settings["regions"] == {"checks": "I0.0-I7.7", "clamps": ["I12.0", "I12.2"]}
+    assert settings["cycle"]["mode"] == "word"
+    file.write_text('regions = "auto"\n[modes]\nwork_complete = "M0.0"\n', encoding="utf-8")
+    assert json.loads(load_configuration(file).cycle_json() or "")["regions"] == {}
+    file.write_text("", encoding="utf-8")
+    assert load_configuration(file).cycle_json() is None
+
+
+@pytest.mark.parametrize(
+    ("text", "sentence"),
+    [
+        ("[modes]\nmanual = 'M0.1'\n", "work_complete is missing"),
+        ("[regions]\nx = 3\n", r"\[regions\] x: expected a range"),
+        ("[cycle]\nmode = 'bit'\n", r"\[cycle\]: mode"),
+        ("[cycle]\nnever_ends_factor = 1.0\n", r"\[cycle\]: never_ends_factor"),
+    ],
+)
+def test_a_cycle_machine_is_refused_with_a_sentence(
+    tmp_path: Path, text: str, sentence: str
+) -> None:
+    file = tmp_path / "press.toml"
+    file.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match=sentence):
+        load_configuration(file)

@@ -29,7 +29,9 @@ def test_every_option_is_in_the_reference() -> None:
 def test_every_key_is_in_the_reference() -> None:
     for table in msgspec.structs.fields(Configuration):
         assert f"## [{table.name}]" in page("reference/configuration.md")
-        for field in msgspec.structs.fields(table.type):
+        # The keys of [regions] are the user's own.
+        of_table = msgspec.structs.fields(table.type) if table.name != "regions" else ()
+        for field in of_table:
             assert f"| `{field.name}` |" in page("reference/configuration.md")
     for key in KEYS:
         assert f"| `{key}` |" in page("reference/finding.md")

@@ -13,6 +13,7 @@ from runglight.log.changelog import Log
 from tests.conftest import simulated
 
 PUBLIC = [
+    "CycleModel",
     "Findings",
     "InputError",
     "Log",
@@ -25,6 +26,7 @@ PUBLIC = [
     "__version__",
     "finding_schema",
     "learn",
+    "learn_cycle",
     "load_model",
     "read_log",
 ]

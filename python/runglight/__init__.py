@@ -17,14 +17,16 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from runglight._engine import __version__
     from runglight.configuration import Parameters
+    from runglight.cycle_model import CycleModel
     from runglight.errors import InputError, ModelError, RunglightError
     from runglight.findings.batch import Findings
     from runglight.findings.schema import finding_schema
     from runglight.log.changelog import Log, read_log
     from runglight.log.options import ReadOptions
-    from runglight.model import Monitor, NominalModel, learn, load_model
+    from runglight.model import Monitor, NominalModel, learn, learn_cycle, load_model
 
 __all__ = [
+    "CycleModel",
     "Findings",
     "InputError",
     "Log",
@@ -37,6 +39,7 @@ __all__ = [
     "__version__",
     "finding_schema",
     "learn",
+    "learn_cycle",
     "load_model",
     "read_log",
 ]
@@ -44,6 +47,7 @@ __all__ = [
 # Where each public name lives. A plain `import runglight` loads none of these rooms, so that the
 # command line answers `--help` at once.
 _HOMES = {
+    "CycleModel": "runglight.cycle_model",
     "Findings": "runglight.findings.batch",
     "InputError": "runglight.errors",
     "Log": "runglight.log.changelog",
@@ -56,6 +60,7 @@ _HOMES = {
     "__version__": "runglight._engine",
     "finding_schema": "runglight.findings.schema",
     "learn": "runglight.model",
+    "learn_cycle": "runglight.model",
     "load_model": "runglight.model",
     "read_log": "runglight.log.changelog",
 }

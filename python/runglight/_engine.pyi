@@ -94,6 +94,20 @@ class Monitor:
     def take_snapshots(self) -> list[str]:
         """Snapshots made since the last call, JSON: `{id, time, devices: {...}, groups: {...}}`."""
 
+class CycleModel:
+    """The cycle machine of a plant (Guim & Dias 2023): regions, and an automaton per phase."""
+
+    def summary_json(self) -> str:
+        """`{mode, parameters, work_complete, sequences: {work, setup}, left_out, longest_s, regions: [{region, bits, work: {states, initial, final, transitions, either_order}, setup}]}`."""
+    def machine_json(self, region: str, phase: str) -> str:
+        """`{region, phase, states: [{word, initial, final}], transitions: [{from, to, weight, longest_stay_s}]}`."""
+    def candidates_json(self, region: str, phase: str, at: str, seen: str) -> str:
+        """What could have followed the word `at` where `seen` came, best first: `[{word, weight, popularity, similarity, score, differing}]`."""
+    def dot(self, region: str, phase: str) -> str:
+        """Graphviz text of one region in phase `work` or `setup`."""
+    def monitor(self, state: bytes | None = None) -> Monitor:
+        """Watches the cycle machine alone."""
+
 class NominalModel:
     """What was learned of a plant."""
 
@@ -112,6 +126,9 @@ class NominalModel:
         """Names of the signals as the learned logs call them."""
     def symbols_csv(self) -> str:
         """The symbol table in force, as `symbols.csv`."""
+    @property
+    def cycle(self) -> CycleModel | None:
+        """The cycle machine, where one was learned."""
     def monitor(self, state: bytes | None = None) -> Monitor: ...
     def confirm(self, finding_json: str) -> int:
         """Folds a finding's path into the model; returns the number of new transitions."""
@@ -121,7 +138,16 @@ def learn(
     symbols_csv: str | None = None,
     parameters_json: str = "{}",
     source: Sequence[str] = (),
+    cycle_json: str | None = None,
 ) -> NominalModel:
-    """Learns from fault-free logs. `symbols_csv` is the text of a symbol table; `source` says where they are from."""
+    """Learns from fault-free logs. `symbols_csv` is the text of a symbol table; `source` says where they are from; `cycle_json` holds `modes`, `regions` and `cycle` where a cycle machine is wanted."""
+
+def learn_cycle(
+    logs: Sequence[ChangeLog],
+    settings_json: str,
+    symbols_csv: str | None = None,
+    naming: str = "{group}-{device}-{signal}",
+) -> CycleModel:
+    """Learns the cycle machine alone."""
 
 def load_model(directory: str) -> NominalModel: ...

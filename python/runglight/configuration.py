@@ -89,6 +89,47 @@ class Source(Struct, forbid_unknown_fields=True):
     """Time between two scans: `10ms`."""
 
 
+class Modes(Struct, forbid_unknown_fields=True, frozen=True):
+    """`[modes]`: which bits say what the machine is about; `"M10.3=0"` says it when OFF."""
+
+    work_complete: str | None = None
+    """ON while the machine works, OFF while it is set up; with it a cycle machine is learned."""
+    manual: str | list[str] = []
+    """ON while an operator moves the machine by hand; one bit or several."""
+    alarm: str | list[str] = []
+    """ON while the machine has stopped with an alarm; one bit or several."""
+    setup: str | None = None
+    """ON during set-up, where that is not simply the rest of the time."""
+
+    def __post_init__(self) -> None:
+        if self.work_complete is None and (self.manual or self.alarm or self.setup):
+            raise ValueError("work_complete is missing: the bit that is ON while the machine works")
+
+
+class Cycle(Struct, forbid_unknown_fields=True, frozen=True):
+    """`[cycle]`: how the cycle machine is learned and watched (Guim & Dias 2023)."""
+
+    mode: Literal["element", "word"] = "element"
+    """`element` follows the bit that changed; `word` compares whole words as published."""
+    alarm_within_s: Positive = 60.0
+    """An alarm within this time makes a finding of class 3 one of class 1."""
+    never_ends_factor: Annotated[float, Meta(gt=1)] = 2.0
+    """A sequence that takes this many times the longest learned one never ends."""
+    rate_window: Annotated[int, Meta(ge=1, le=1_000_000)] = 100
+    """Sequences looked back on for a rising rate of class 3 and 4 findings."""
+    rate_significance: Annotated[float, Meta(gt=0, lt=1)] = 0.01
+    """Chance that a rate called rising is not, for all addresses and all time together."""
+    auto_bits: Annotated[int, Meta(ge=1, le=128)] = 8
+    """Most bits of a region that is proposed."""
+    together_s: Positive = 1.0
+    """Bits that often change within this time of one another are proposed as one region."""
+
+
+Regions = dict[str, str | list[str]]
+"""`[regions]`: bits watched as one word, by name: a range (`"I0.0-I7.7"`, `"I8-I20 by byte"`) or a
+list of addresses or names. None, or `regions = "auto"`: proposed from the log."""
+
+
 class Watch(Struct, forbid_unknown_fields=True):
     """`[watch]`: how findings are told."""
 
@@ -155,11 +196,32 @@ class Configuration(Struct, forbid_unknown_fields=True):
     symbols: Symbols = field(default_factory=Symbols)
     log: ReadOptions = field(default_factory=ReadOptions)
     signal_state: SignalState = field(default_factory=SignalState)
+    modes: Modes = field(default_factory=Modes)
+    regions: Regions = field(default_factory=dict)
+    cycle: Cycle = field(default_factory=Cycle)
     record: Record = field(default_factory=Record)
     watch: Watch = field(default_factory=Watch)
     notify: Notify = field(default_factory=Notify)
     server: Server = field(default_factory=Server)
     show: Show = field(default_factory=Show)
+
+    def cycle_json(self) -> str | None:
+        """What the engine needs for a cycle machine; None where `[modes]` asks for none."""
+        if self.modes.work_complete is None:
+            return None
+        return cycle_json(self.modes, self.regions, self.cycle)
+
+
+def cycle_json(modes: Modes, regions: Regions, cycle: Cycle) -> str:
+    """The settings of a cycle machine as the engine takes them."""
+    several = {key: [bits] if isinstance(bits, str) else bits for key, bits in _bits(modes)}
+    named = {"work_complete": modes.work_complete or "", "setup": modes.setup, **several}
+    settings = {"modes": named, "regions": regions, "cycle": cycle}
+    return msgspec.json.encode(settings).decode()
+
+
+def _bits(modes: Modes) -> tuple[tuple[str, str | list[str]], ...]:
+    return ("manual", modes.manual), ("alarm", modes.alarm)
 
 
 def check_naming(naming: str) -> None:
@@ -222,9 +284,12 @@ def _seen_from(directory: Path, sql: str) -> str:
 
 def _converted(tables: dict[str, Any], path: Path) -> Configuration:
     rooms = {field.name: field.type for field in msgspec.structs.fields(Configuration)}
+    if tables.get("regions") == "auto":
+        tables["regions"] = {}
     for name, table in tables.items():
         if name not in rooms:
-            homes = [room for room, settings in rooms.items() if name in known_keys(settings)]
+            settled = {room: of for room, of in rooms.items() if room != "regions"}
+            homes = [room for room, settings in settled.items() if name in known_keys(settings)]
             near = suggestion(name, rooms) or (f" (it belongs in [{homes[0]}])" if homes else "")
             raise InputError(f"{path}: unknown table [{name}]{near or _known(rooms)}")
         if not isinstance(table, dict):
@@ -233,10 +298,25 @@ def _converted(tables: dict[str, Any], path: Path) -> Configuration:
     day = tables.get("log", {}).get("date")
     if isinstance(day, datetime.date):
         tables["log"]["date"] = day.isoformat()[:10]
-    read = {
-        name: convert(table, rooms[name], f"{path}: [{name}]") for name, table in tables.items()
+    read: dict[str, Any] = {
+        name: convert(table, rooms[name], f"{path}: [{name}]")
+        for name, table in tables.items()
+        if name != "regions"
     }
+    read["regions"] = _regions(tables.get("regions", {}), path)
     return Configuration(**read)
+
+
+def _regions(table: dict[str, Any], path: Path) -> Regions:
+    """`[regions]` has keys of the user's own."""
+    for name, bits in table.items():
+        of_text = isinstance(bits, list) and all(isinstance(bit, str) for bit in bits)
+        if not (isinstance(bits, str) or of_text):
+            raise InputError(
+                f'{path}: [regions] {name}: expected a range like "I0.0-I7.7" or a list of '
+                f"addresses, found {bits!r}"
+            )
+    return table
 
 
 def _known(rooms: dict[str, Any]) -> str:

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from runglight import _engine
-from runglight.configuration import Parameters
+from runglight.configuration import Cycle, Modes, Parameters, cycle_json
+from runglight.cycle_model import CycleModel
 from runglight.errors import InputError
 from runglight.findings.batch import Findings
 from runglight.log.changelog import Log, arrow_table
@@ -107,6 +108,12 @@ class NominalModel:
         """Graphviz text of a device's model, or of the group's own."""
         return self._engine.dot(group, device)
 
+    @property
+    def cycle(self) -> CycleModel | None:
+        """The cycle machine; None where the model was learned without mode bits."""
+        cycle = self._engine.cycle
+        return None if cycle is None else CycleModel(cycle)
+
     def save(self, directory: str | PathLike[str]) -> None:
         """Writes the model directory: to a temporary name, then renamed."""
         target = Path(directory)
@@ -147,11 +154,40 @@ def learn(
     return learn_with(_logs(log), table, convert(parameters, Parameters, "learn"))
 
 
-def learn_with(logs: list[Log], symbols_csv: str | None, parameters: Parameters) -> NominalModel:
-    """Learns with parameters that are already checked."""
+def learn_with(
+    logs: list[Log],
+    symbols_csv: str | None,
+    parameters: Parameters,
+    cycle_settings: str | None = None,
+) -> NominalModel:
+    """Learns with parameters that are already checked; with a cycle machine where one is set."""
     engine_logs = [log.engine for log in logs]
     source = [log.path for log in logs if log.path is not None]
-    return NominalModel(_engine.learn(engine_logs, symbols_csv, parameters.to_json(), source))
+    return NominalModel(
+        _engine.learn(engine_logs, symbols_csv, parameters.to_json(), source, cycle_settings)
+    )
+
+
+def learn_cycle(
+    log: Log | Any | Iterable[Log | Any],
+    modes: Mapping[str, Any],
+    regions: Mapping[str, str | list[str]] | None = None,
+    symbols: str | PathLike[str] | None = None,
+    **parameters: Any,
+) -> CycleModel:
+    """Learns the cycle machine alone, from one or several fault-free logs.
+
+    `modes` are the keys of `[modes]`, `regions` those of `[regions]` (None: proposed from the
+    logs), `parameters` those of `[cycle]`.
+    """
+    table = None if symbols is None else read_symbols(Path(symbols))
+    settings = cycle_json(
+        convert(modes, Modes, "modes"),
+        dict(regions or {}),
+        convert(parameters, Cycle, "learn_cycle"),
+    )
+    logs = [each.engine for each in _logs(log)]
+    return CycleModel(_engine.learn_cycle(logs, settings, table))
 
 
 def load_model(directory: str | PathLike[str]) -> NominalModel:

@@ -56,7 +56,7 @@ def test_the_same_seed_gives_the_same_log(runglight: Command, tmp_path: Path) ->
 
 
 def test_the_list_names_all_twelve_faults(runglight: Command) -> None:
-    listed = runglight("simulate", "--list")
+    listed = runglight("simulate", "cell", "--list")
     assert listed.returncode == 0
     numbers = [line.split()[0] for line in listed.stdout.splitlines() if line.split()]
     assert [number for number in numbers if number.isdecimal()] == [str(n) for n in range(1, 13)]

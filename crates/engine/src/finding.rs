@@ -28,6 +28,10 @@ pub enum Kind {
     UnknownSignal,
     /// Nothing was recorded for a while.
     Gap,
+    /// A region left the sequences its cycle machine knows.
+    Sequence,
+    /// A region began a sequence in a word it never began with.
+    StartState,
 }
 
 /// How much it matters.
@@ -68,6 +72,8 @@ pub enum Model {
     Group,
     /// The plant as a whole.
     Plant,
+    /// A region's cycle machine.
+    Cycle,
 }
 
 /// What should have happened instead.

@@ -3,7 +3,9 @@
 //!
 //! Pure computation on columns: no Python, no sockets, no files of its own accord.
 
+pub mod cycle;
 pub mod finding;
+pub mod joint;
 pub mod log;
 pub mod naming;
 pub mod plant;

@@ -1,7 +1,8 @@
-//! The nominal model on disk: a directory with `manifest.json` and `rules.parquet`.
+//! The nominal model on disk: a directory with `manifest.json`, `rules.parquet` and,
+//! where the machine has mode bits, `cycles.json`.
 //!
 //! It is written beside its place and renamed when complete, so no reader ever sees half a model.
-//! The manifest holds a checksum of the rules: what was damaged or mixed is refused.
+//! The manifest holds checksums of the others: what was damaged or mixed is refused.
 
 use std::ffi::OsString;
 use std::fs::{self, File};
@@ -15,6 +16,7 @@ use parquet::file::properties::WriterProperties;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
+use runglight_engine::cycle::model::CycleModel;
 use runglight_engine::log::SignalIndex;
 use runglight_engine::plant::{Device, Group, Plant, Signal};
 use runglight_engine::signal_state::model::{Learned, NominalModel};
@@ -28,8 +30,9 @@ pub const MODEL_FORMAT: u32 = 1;
 
 const MANIFEST: &str = "manifest.json";
 const RULES: &str = "rules.parquet";
+const CYCLES: &str = "cycles.json";
 /// Files that belong to the model itself; others in the directory are kept when it is replaced.
-const OWN: [&str; 2] = [MANIFEST, RULES];
+const OWN: [&str; 3] = [MANIFEST, RULES, CYCLES];
 
 /// Why a model cannot be read or written.
 #[derive(Debug, Error)]
@@ -99,6 +102,9 @@ struct Manifest {
     /// Checksum of `rules.parquet`, xxh3 in hexadecimal.
     rules_checksum: String,
     rules: usize,
+    /// Checksum of `cycles.json`, where there is one.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    cycles_checksum: Option<String>,
     /// Values of words beyond 0 and 1, in the order of their state numbers.
     word_states: Vec<(SignalIndex, i64)>,
     signals: Vec<Signal>,
@@ -111,7 +117,12 @@ struct Manifest {
 ///
 /// # Errors
 /// The place is taken by something that is no model, or the file system refuses.
-pub fn save(model: &NominalModel, provenance: &Provenance, path: &Path) -> Result<(), ModelError> {
+pub fn save(
+    model: &NominalModel,
+    cycle: Option<&CycleModel>,
+    provenance: &Provenance,
+    path: &Path,
+) -> Result<(), ModelError> {
     if path.exists() && !path.join(MANIFEST).is_file() && !is_empty_directory(path) {
         return Err(ModelError::Taken { path: path.to_owned() });
     }
@@ -119,7 +130,8 @@ pub fn save(model: &NominalModel, provenance: &Provenance, path: &Path) -> Resul
     let io = |action| move |source| ModelError::Io { path: path.to_owned(), action, source };
     let _ = fs::remove_dir_all(&staging);
     fs::create_dir_all(&staging).map_err(io("create the model directory"))?;
-    let written = write_files(model, provenance, &staging).and_then(|()| replace(path, &staging));
+    let written =
+        write_files(model, cycle, provenance, &staging).and_then(|()| replace(path, &staging));
     if written.is_err() {
         let _ = fs::remove_dir_all(&staging);
     }
@@ -137,7 +149,12 @@ fn beside(path: &Path, purpose: &str) -> PathBuf {
     path.with_file_name(name)
 }
 
-fn write_files(model: &NominalModel, provenance: &Provenance, into: &Path) -> io::Result<()> {
+fn write_files(
+    model: &NominalModel,
+    cycle: Option<&CycleModel>,
+    provenance: &Provenance,
+    into: &Path,
+) -> io::Result<()> {
     let batch = rules_table::to_batch(model);
     let properties = WriterProperties::builder()
         .set_compression(Compression::ZSTD(parquet::basic::ZstdLevel::default()))
@@ -148,6 +165,10 @@ fn write_files(model: &NominalModel, provenance: &Provenance, into: &Path) -> io
     writer.write(&batch).map_err(io::Error::other)?;
     writer.close().map_err(io::Error::other)?;
     write_synced(&into.join(RULES), &bytes)?;
+    let cycles = cycle.map(|cycle| cycle.to_json().into_bytes());
+    if let Some(cycles) = &cycles {
+        write_synced(&into.join(CYCLES), cycles)?;
+    }
     let manifest = Manifest {
         format: MODEL_FORMAT,
         created: provenance.created.clone(),
@@ -156,6 +177,7 @@ fn write_files(model: &NominalModel, provenance: &Provenance, into: &Path) -> io
         learned: model.learned.clone(),
         rules_checksum: checksum(&bytes),
         rules: model.rules.len(),
+        cycles_checksum: cycles.as_deref().map(checksum),
         word_states: model.states.further().to_vec(),
         signals: model.plant.signals.clone(),
         devices: model.plant.devices.clone(),
@@ -196,7 +218,7 @@ fn checksum(bytes: &[u8]) -> String {
 ///
 /// # Errors
 /// No model there, another version, or anything that does not fit.
-pub fn load(path: &Path) -> Result<(NominalModel, Provenance), ModelError> {
+pub fn load(path: &Path) -> Result<(NominalModel, Option<CycleModel>, Provenance), ModelError> {
     let damaged = |problem: String| ModelError::Damaged { path: path.to_owned(), problem };
     let read = |name: &str| {
         fs::read(path.join(name)).map_err(|source| match source.kind() {
@@ -236,6 +258,20 @@ pub fn load(path: &Path) -> Result<(NominalModel, Provenance), ModelError> {
             "rules.parquet is not the one the manifest was written with".to_owned(),
         ));
     }
+    let cycle = match &manifest.cycles_checksum {
+        Some(expected) => {
+            let bytes = read(CYCLES)?;
+            if checksum(&bytes) != *expected {
+                return Err(damaged(
+                    "cycles.json is not the one the manifest was written with".to_owned(),
+                ));
+            }
+            let cycle = CycleModel::from_json(&bytes)
+                .map_err(|error| damaged(format!("cycles.json: {error}")))?;
+            Some(cycle)
+        }
+        None => None,
+    };
     let mut states = States::new(plant.signals.len());
     for &(signal, value) in &manifest.word_states {
         states.intern(signal, value);
@@ -247,7 +283,7 @@ pub fn load(path: &Path) -> Result<(NominalModel, Provenance), ModelError> {
         .filter(|rules| rules.len() == manifest.rules)
         .ok_or_else(|| damaged("rules.parquet does not fit the manifest".to_owned()))?;
     let model = NominalModel::assemble(plant, states, rules, manifest.learned, manifest.parameters);
-    Ok((model, Provenance { created: manifest.created, source: manifest.source }))
+    Ok((model, cycle, Provenance { created: manifest.created, source: manifest.source }))
 }
 
 /// Every index the engine will follow must lead somewhere.

@@ -170,7 +170,7 @@ impl PyMonitor {
         if names.null_count() > 0 || names.offsets().lengths().any(|length| length == 0) {
             return false;
         }
-        let found = self.model.symbols().find_all(&self.model.plant, names.iter().flatten());
+        let found = self.naming.find_all(names.iter().flatten());
         let numbers = found.into_iter().map(|known| known.unwrap_or(UNNUMBERED)).collect();
         self.dictionary = Dictionary { names: Some(names.clone()), numbers };
         true

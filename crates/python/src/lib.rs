@@ -2,6 +2,7 @@
 
 mod change_log;
 mod contract;
+mod cycle;
 mod errors;
 mod findings;
 mod model;
@@ -17,6 +18,7 @@ fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     quiet_panics();
     errors::register(module)?;
     module.add_class::<change_log::PyChangeLog>()?;
+    module.add_class::<cycle::PyCycleModel>()?;
     module.add_class::<findings::PyFindings>()?;
     module.add_class::<model::PyNominalModel>()?;
     module.add_class::<model::PyRules>()?;
@@ -24,6 +26,7 @@ fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(change_log::read_log, module)?)?;
     module.add_function(wrap_pyfunction!(change_log::write_log, module)?)?;
     module.add_function(wrap_pyfunction!(change_log::log_from_columns, module)?)?;
+    module.add_function(wrap_pyfunction!(cycle::learn_cycle, module)?)?;
     module.add_function(wrap_pyfunction!(model::learn, module)?)?;
     module.add_function(wrap_pyfunction!(model::load_model, module)?)?;
     Ok(())

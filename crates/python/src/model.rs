@@ -9,6 +9,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 use serde_json::{Value, json};
 
+use runglight_engine::cycle::model::CycleModel;
 use runglight_engine::finding::{Finding, time_text};
 use runglight_engine::log::{ChangeLog, SECOND};
 use runglight_engine::signal_state::chains::ChainIndex;
@@ -20,6 +21,7 @@ use runglight_formats::model_directory::{self, MODEL_FORMAT, Provenance};
 use runglight_formats::rules_table;
 
 use crate::change_log::PyChangeLog;
+use crate::cycle::{CycleSettings, PyCycleModel};
 use crate::errors;
 use crate::monitor::PyMonitor;
 use crate::stream;
@@ -28,6 +30,7 @@ use crate::stream;
 #[pyclass(name = "NominalModel", module = "runglight._engine")]
 pub struct PyNominalModel {
     model: Arc<NominalModel>,
+    cycle: Option<Arc<CycleModel>>,
     provenance: Provenance,
 }
 
@@ -149,8 +152,11 @@ impl PyNominalModel {
     }
 
     fn save(&self, py: Python<'_>, directory: &str) -> PyResult<()> {
-        py.detach(|| model_directory::save(&self.model, &self.provenance, Path::new(directory)))
-            .map_err(errors::model)
+        py.detach(|| {
+            let cycle = self.cycle.as_deref();
+            model_directory::save(&self.model, cycle, &self.provenance, Path::new(directory))
+        })
+        .map_err(errors::model)
     }
 
     fn summary_json(&self) -> PyResult<String> {
@@ -189,9 +195,14 @@ impl PyNominalModel {
         SymbolTable::of_plant(&self.model.plant)
     }
 
+    #[getter]
+    fn cycle(&self) -> Option<PyCycleModel> {
+        self.cycle.clone().map(PyCycleModel::new)
+    }
+
     #[pyo3(signature = (state = None))]
     fn monitor(&self, state: Option<&[u8]>) -> PyResult<PyMonitor> {
-        PyMonitor::new(Arc::clone(&self.model), state).map_err(errors::input)
+        PyMonitor::new(Arc::clone(&self.model), self.cycle.clone(), state).map_err(errors::input)
     }
 
     fn confirm(&mut self, finding_json: &str) -> PyResult<usize> {
@@ -205,29 +216,38 @@ impl PyNominalModel {
 
 /// Learns from fault-free logs.
 #[pyfunction]
-#[pyo3(signature = (logs, symbols_csv = None, parameters_json = "{}", source = Vec::new()))]
+#[pyo3(signature = (logs, symbols_csv = None, parameters_json = "{}", source = Vec::new(), cycle_json = None))]
 pub fn learn(
     py: Python<'_>,
     logs: Vec<Py<PyChangeLog>>,
     symbols_csv: Option<&str>,
     parameters_json: &str,
     source: Vec<String>,
+    cycle_json: Option<&str>,
 ) -> PyResult<PyNominalModel> {
     let parameters: Parameters = serde_json::from_str(parameters_json)
         .map_err(|error| errors::input(format!("parameters of learning: {error}")))?;
     let table = SymbolTable::parse(symbols_csv.unwrap_or("address\n")).map_err(errors::input)?;
     let logs: Vec<&ChangeLog> = logs.iter().map(|log| &log.get().log).collect();
     let model = py.detach(|| learn_model(&logs, &table, &parameters)).map_err(errors::input)?;
+    let cycle = match cycle_json {
+        Some(text) => {
+            let settings = CycleSettings::parse(text)?;
+            let learned = py.detach(|| settings.learn(&logs, &model.plant));
+            Some(Arc::new(learned.map_err(errors::input)?))
+        }
+        None => None,
+    };
     let provenance = Provenance { created: now_text(), source };
-    Ok(PyNominalModel { model: Arc::new(model), provenance })
+    Ok(PyNominalModel { model: Arc::new(model), cycle, provenance })
 }
 
 /// Loads a model directory.
 #[pyfunction]
 pub fn load_model(py: Python<'_>, directory: &str) -> PyResult<PyNominalModel> {
-    let (model, provenance) =
+    let (model, cycle, provenance) =
         py.detach(|| model_directory::load(Path::new(directory))).map_err(errors::model)?;
-    Ok(PyNominalModel { model: Arc::new(model), provenance })
+    Ok(PyNominalModel { model: Arc::new(model), cycle: cycle.map(Arc::new), provenance })
 }
 
 /// The present time, ISO 8601 UTC.

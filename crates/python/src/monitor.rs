@@ -1,5 +1,6 @@
 //! `Monitor`: observe and advance.
 
+use std::collections::HashMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -7,11 +8,13 @@ use numpy::PyReadonlyArray1;
 use pyo3::prelude::*;
 use pyo3_arrow::PyRecordBatchReader;
 
+use runglight_engine::cycle::model::CycleModel;
 use runglight_engine::finding::Finding;
+use runglight_engine::joint::JointMonitor;
 use runglight_engine::log::{ChangeLog, SignalIndex};
 use runglight_engine::signal_state::events::Row;
 use runglight_engine::signal_state::model::NominalModel;
-use runglight_engine::signal_state::monitor::{Monitor, MonitorError};
+use runglight_engine::signal_state::monitor::MonitorError;
 
 use crate::change_log::PyChangeLog;
 use crate::contract::Dictionary;
@@ -28,26 +31,57 @@ pub const CHUNK_ROWS: usize = 256;
 /// Watches one plant.
 #[pyclass(name = "Monitor", module = "runglight._engine")]
 pub struct PyMonitor {
-    pub(crate) monitor: Monitor,
-    pub(crate) model: Arc<NominalModel>,
+    pub(crate) monitor: JointMonitor,
+    pub(crate) naming: Naming,
     pub(crate) dictionary: Dictionary,
     /// What the indices of [`PyMonitor::observe_rows`] stand for.
     bound: Vec<SignalIndex>,
 }
 
+/// Whose numbers stand for signals.
+pub enum Naming {
+    /// The plant's.
+    Plant(Arc<NominalModel>),
+    /// Those of the bits of a cycle machine that is watched alone.
+    Bits(HashMap<String, SignalIndex>),
+}
+
+impl Naming {
+    /// The number of each symbol, where it is known.
+    pub fn find_all<'a>(&self, symbols: impl Iterator<Item = &'a str>) -> Vec<Option<SignalIndex>> {
+        match self {
+            Self::Plant(model) => model.symbols().find_all(&model.plant, symbols),
+            Self::Bits(bits) => symbols.map(|symbol| bits.get(symbol).copied()).collect(),
+        }
+    }
+}
+
 impl PyMonitor {
-    pub fn new(model: Arc<NominalModel>, state: Option<&[u8]>) -> Result<Self, MonitorError> {
+    pub fn new(
+        model: Arc<NominalModel>,
+        cycle: Option<Arc<CycleModel>>,
+        state: Option<&[u8]>,
+    ) -> Result<Self, MonitorError> {
         let monitor = match state {
-            Some(bytes) => Monitor::restore(Arc::clone(&model), bytes)?,
-            None => Monitor::new(Arc::clone(&model)),
+            Some(bytes) => JointMonitor::restore(Arc::clone(&model), cycle, bytes)?,
+            None => JointMonitor::new(Arc::clone(&model), cycle),
         };
-        Ok(Self { monitor, model, dictionary: Dictionary::default(), bound: Vec::new() })
+        Ok(Self::with(monitor, Naming::Plant(model)))
+    }
+
+    /// The cycle machine alone.
+    pub fn of_cycle(cycle: Arc<CycleModel>, state: Option<&[u8]>) -> Result<Self, MonitorError> {
+        let bits = (0..).zip(&cycle.bits).map(|(i, bit)| (bit.symbol.clone(), i)).collect();
+        Ok(Self::with(JointMonitor::of_cycle(cycle, state)?, Naming::Bits(bits)))
+    }
+
+    fn with(monitor: JointMonitor, naming: Naming) -> Self {
+        Self { monitor, naming, dictionary: Dictionary::default(), bound: Vec::new() }
     }
 
     /// The engine's numbers of signals, by name.
     fn numbers(&mut self, signals: &[String]) -> Vec<SignalIndex> {
-        let known =
-            self.model.symbols().find_all(&self.model.plant, signals.iter().map(String::as_str));
+        let known = self.naming.find_all(signals.iter().map(String::as_str));
         signals
             .iter()
             .zip(known)

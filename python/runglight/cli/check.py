@@ -14,8 +14,8 @@ from rich.table import Table
 from rich.text import Text
 
 from runglight.cli import terminal
+from runglight.cli.counted import counted
 from runglight.cli.exit_codes import DONE, WRONG
-from runglight.cli.model_tables import counted
 from runglight.configuration import load_configuration
 from runglight.errors import InputError
 from runglight.log.symbols import names_by_address, read_symbols

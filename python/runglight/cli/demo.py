@@ -15,6 +15,7 @@ from rich.table import Table
 from rich.text import Text
 
 from runglight.cli import terminal
+from runglight.cli.counted import counted
 from runglight.cli.exit_codes import DONE
 from runglight.cli.finding_table import (
     STYLES,
@@ -25,7 +26,7 @@ from runglight.cli.finding_table import (
     spoken_time,
     summary_line,
 )
-from runglight.cli.model_tables import counted, print_rules, print_summary
+from runglight.cli.model_tables import print_rules, print_summary
 from runglight.cli.output import output
 from runglight.drawing import draw_svg, graphviz_program
 from runglight.errors import InputError

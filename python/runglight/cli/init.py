@@ -13,8 +13,8 @@ from rich.text import Text
 
 from runglight.cli import terminal
 from runglight.cli.check import ask
+from runglight.cli.counted import counted
 from runglight.cli.exit_codes import DONE
-from runglight.cli.model_tables import counted
 from runglight.configuration import DEFAULT_FILE, DEFAULT_NAMING
 from runglight.errors import InputError
 from runglight.replacing import replacing

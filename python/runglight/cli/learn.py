@@ -10,6 +10,7 @@ import msgspec
 from cyclopts import Parameter
 
 from runglight.cli import terminal
+from runglight.cli.cycle_tables import print_cycle
 from runglight.cli.exit_codes import DONE
 from runglight.cli.model_tables import print_summary
 from runglight.cli.reader_options import ReaderOptions, read
@@ -107,7 +108,7 @@ def learn(
     symbols_csv = None if table is None else read_symbols(Path(table))
     logs = [read(path, configuration.log) for path in sources]
     with terminal.working("Learning"):
-        model = learn_with(logs, symbols_csv, parameters)
+        model = learn_with(logs, symbols_csv, parameters, configuration.cycle_json())
         model.save(output)
         proposal = output / SYMBOLS
         with replacing(proposal) as path:
@@ -115,6 +116,8 @@ def learn(
     summary = model.summary()
     say_unnamed(summary, proposal)
     print_summary(terminal.results(), str(output), summary)
+    if model.cycle is not None:
+        print_cycle(terminal.results(), str(output), model.cycle.summary())
     return DONE
 
 

@@ -9,8 +9,8 @@ from typing import TYPE_CHECKING, Protocol, TextIO
 from rich.text import Text
 
 from runglight.cli import terminal
+from runglight.cli.counted import counted
 from runglight.cli.finding_table import STYLES, expectation, look_first, spoken_time
-from runglight.cli.model_tables import counted
 from runglight.findings import flat
 from runglight.findings.finding import decode_finding
 

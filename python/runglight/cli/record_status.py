@@ -13,7 +13,7 @@ from rich.text import Text
 
 from runglight import environment
 from runglight.cli import terminal
-from runglight.cli.model_tables import counted
+from runglight.cli.counted import counted
 from runglight.taps.base import Connection, ConnectionState
 
 if TYPE_CHECKING:

@@ -15,6 +15,7 @@ from runglight.cli import terminal
 from runglight.cli.exit_codes import DONE
 from runglight.cli.model_tables import COLUMNS, print_rules, print_summary
 from runglight.cli.output import output as output_to
+from runglight.cli.show_cycle import show_cycle
 from runglight.configuration import load_configuration
 from runglight.drawing import draw_svg
 from runglight.errors import InputError
@@ -23,6 +24,7 @@ from runglight.model import NominalModel, load_model
 from runglight.nearest import suggestion
 
 Format = Literal["table", "csv", "dot", "svg", "json"]
+Phase = Literal["work", "setup"]
 
 
 @dataclass(frozen=True)
@@ -44,6 +46,9 @@ def show(
     *,
     device: str | None = None,
     group: str | None = None,
+    cycle: bool = False,
+    region: str | None = None,
+    phase: Phase = "work",
     format: Format | None = None,
     output: Annotated[Path | None, Parameter(name=["--output", "-o"])] = None,
     config: Annotated[Path | None, Parameter(name=["--config", "-c"])] = None,
@@ -60,6 +65,12 @@ def show(
         One device: `Group1-PrtLDR`, or `PrtLDR` where only one group has it.
     group: str
         One group: the chain of its devices' starting signals.
+    cycle: bool
+        The cycle machine: its regions, and how much was learned of each.
+    region: str
+        One region of the cycle machine: its states and transitions.
+    phase: Literal["work", "setup"]
+        Of a region: its sequences of work or of set-up.
     format: str
         Default: by the ending of the output file, else table.
     output: Path
@@ -70,6 +81,13 @@ def show(
     """
     chosen = format or _by_ending(output) or load_configuration(config).show.format or "table"
     nominal = load_model(model)
+    if cycle or region is not None:
+        if device is not None or group is not None:
+            raise InputError(
+                "--cycle and --region show the cycle machine; leave --device and --group out"
+            )
+        show_cycle(nominal, str(model), region, phase=phase, chosen=chosen, output=output)
+        return DONE
     summary = nominal.summary()
     part = _part(summary, group, device)
     if chosen in {"dot", "svg"} and part is None:

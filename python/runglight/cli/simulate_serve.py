@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING
 from rich.text import Text
 
 from runglight.cli import terminal
+from runglight.cli.counted import counted
 from runglight.cli.exit_codes import DONE, INTERRUPTED
-from runglight.cli.model_tables import counted
 from runglight.cli.output import output
 from runglight.errors import InputError
 from runglight.quantities import duration_s

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from runglight.plants import bodyshop, cell
+from runglight.plants import bodyshop, cell, press
 from runglight.plants.faults import FaultDescription, FaultKind, FaultLabel, find_fault
 from runglight.plants.run import PlantRun
 from runglight.plants.running import Image, RunningPlant
@@ -57,6 +57,17 @@ PLANTS: dict[str, PlantDescription] = {
         faults=cell.FAULTS,
         simulate=cell.simulate_cell,
         run=cell.RunningCell,
+    ),
+    "press": PlantDescription(
+        name="press",
+        description=(
+            "A forming press on a Siemens S7 with 216 inputs in five regions, work and set-up "
+            "cycles, an operator and an HMI with alarms, like the machine of Guim & Dias 2023."
+        ),
+        symbols=press.SYMBOLS,
+        faults=press.FAULTS,
+        simulate=press.simulate_press,
+        run=press.RunningPress,
     ),
     "bodyshop": PlantDescription(
         name="bodyshop",

@@ -17,6 +17,8 @@ class FaultKind(StrEnum):
     ACTUATOR_DEAD = "actuator-dead"
     ACTUATOR_SLOW = "actuator-slow"
     PART_PATTERN = "part-pattern"
+    PROTECTION_TRIP = "protection-trip"
+    JAM = "jam"
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,6 +1,8 @@
 """The data logger: watches a PLC's images and writes a row whenever a signal changes."""
 
 from collections.abc import Callable, Sequence
+from itertools import compress, count
+from operator import ne
 
 import numpy as np
 
@@ -39,9 +41,8 @@ class ChangeDetector:
         image = inputs + outputs + memory
         if image == self._image:
             return
-        for number, old, new in zip(self._numbers, self._image, image, strict=True):
-            if old != new:
-                self._write(time_ns, number, int(new))
+        for place in compress(count(), map(ne, self._image, image)):
+            self._write(time_ns, self._numbers[place], int(image[place]))
         self._image = image
 
     def last_value(self, number: int) -> int:

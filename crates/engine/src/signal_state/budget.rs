@@ -91,17 +91,22 @@ struct Chance {
     a_day: f64,
 }
 
+/// Probabilities no farther apart than this share are equal: they differ by rounding.
+const EQUAL: f64 = 1e-9;
+
 /// The highest probability up to which all chances together come true no more than `most_a_day`.
 fn surest_first(mut chances: Vec<Chance>, most_a_day: f64) -> f64 {
     chances.sort_by(|a, b| a.probability.total_cmp(&b.probability));
     let mut spent = 0.0;
     let mut highest = 0.0;
-    for chance in chances {
-        spent += chance.probability * chance.a_day;
-        if spent > most_a_day {
+    for equal in chances.chunk_by(|a, b| b.probability <= a.probability * (1.0 + EQUAL)) {
+        // Equals are told alike: a budget that pays for the least of them pays for all.
+        let costs = || equal.iter().map(|chance| chance.probability * chance.a_day);
+        if spent + costs().fold(f64::INFINITY, f64::min) > most_a_day {
             break;
         }
-        highest = chance.probability;
+        spent += costs().sum::<f64>();
+        highest = equal[equal.len() - 1].probability * (1.0 + EQUAL);
     }
     highest
 }

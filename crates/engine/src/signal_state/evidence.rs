@@ -5,7 +5,7 @@
 //! the plant's unseen mass, in so far as their device and their sisters differ from it
 //! ([`super::oddity`]). The same mass over *rare* time clusters says how probable an odd time is.
 
-use std::collections::HashMap;
+use std::collections::BTreeMap;
 
 use crate::timing::limits::BODY_INSTANCES;
 use crate::timing::shape::Shapes;
@@ -64,8 +64,8 @@ struct Oddity {
 
 impl Oddity {
     fn of(tallies: impl Iterator<Item = (ChainIndex, Family, Tally)>) -> Self {
-        let mut chains: HashMap<ChainIndex, Tally> = HashMap::new();
-        let mut families: HashMap<Family, Tally> = HashMap::new();
+        let mut chains: BTreeMap<ChainIndex, Tally> = BTreeMap::new();
+        let mut families: BTreeMap<Family, Tally> = BTreeMap::new();
         for (chain, family, tally) in tallies {
             chains.entry(chain).or_default().add(tally);
             families.entry(family).or_default().add(tally);

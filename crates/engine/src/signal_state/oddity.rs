@@ -7,8 +7,8 @@
 //! by moments; a part with `a` odd kinds where `e` were to be expected is `(k + a)/(k + e)` times as
 //! odd as the plant.
 
-use std::collections::HashMap;
-use std::hash::Hash;
+// Ordered maps: sums must not depend on the order in which a table happens to lie.
+use std::collections::BTreeMap;
 
 /// What a plant with no evidence at all is taken to hide: one half of one kind.
 const PRIOR_ONCE: f64 = 0.5;
@@ -41,12 +41,12 @@ impl Tally {
 /// Unseen mass of a plant, and how its parts differ, for parts named by `Part`.
 #[derive(Debug, Clone)]
 pub struct Parts<Part> {
-    ratios: HashMap<Part, f64>,
+    ratios: BTreeMap<Part, f64>,
 }
 
-impl<Part: Copy + Eq + Hash> Parts<Part> {
+impl<Part: Copy + Ord> Parts<Part> {
     /// From the tallies of all parts.
-    pub fn of(tallies: &HashMap<Part, Tally>) -> Self {
+    pub fn of(tallies: &BTreeMap<Part, Tally>) -> Self {
         let mut sum = Tally::default();
         tallies.values().for_each(|tally| sum.add(*tally));
         let rate = (sum.kinds + PRIOR_ONCE) / (sum.draws + 1.0);
@@ -56,7 +56,7 @@ impl<Part: Copy + Eq + Hash> Parts<Part> {
             (squares + of_part.powi(2), excess + (tally.kinds - of_part).powi(2) - of_part)
         });
         if excess <= 0.0 {
-            return Self { ratios: HashMap::new() };
+            return Self { ratios: BTreeMap::new() };
         }
         let shape = squares / excess;
         let ratio = |tally: &Tally| (shape + tally.kinds) / (shape + expected(tally));
@@ -93,7 +93,7 @@ mod tests {
 
     #[test]
     fn one_odd_part_does_not_make_the_others_odd() {
-        let mut tallies: HashMap<i32, Tally> = (0..100).map(|part| (part, tally(0.0))).collect();
+        let mut tallies: BTreeMap<i32, Tally> = (0..100).map(|part| (part, tally(0.0))).collect();
         tallies.insert(100, tally(60.0));
         let parts = Parts::of(&tallies);
         assert!(parts.ratio(3) < 0.1);
