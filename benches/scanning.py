@@ -2,7 +2,8 @@
 
 400 Modbus variables and 27 S7 input bytes on loopback, the server in a process of its own, as fast
 as it goes unless `--interval` says otherwise. Prints scans per second and the intervals between
-scans, as percentiles and as a histogram.
+scans, as percentiles and as a histogram. `--record` writes a recording meanwhile, to a temporary
+directory, and says at the end what it holds.
 """
 
 import argparse
@@ -10,9 +11,11 @@ import asyncio
 import socket
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Callable
 from dataclasses import dataclass, field
+from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
@@ -20,6 +23,8 @@ from rich.console import Console
 from rich.table import Table
 
 from benches.scanning_server import MODBUS_VARIABLES, S7_BYTES
+from runglight.recording.read import open_recording
+from runglight.recording.recorder import Recorder
 from runglight.taps import open_tap
 from runglight.taps.base import Batch, Gap, Tap
 
@@ -100,6 +105,31 @@ async def _scan(url: str, seconds: float, interval: str, take: Take) -> Scans:
     return scans
 
 
+class Recording:
+    """Writes every batch to a recording."""
+
+    def __init__(self, directory: Path) -> None:
+        self._directory = directory
+        self._recorder: Recorder | None = None
+
+    def __call__(self, tap: Tap, batch: Batch) -> None:
+        """Takes a batch."""
+        if self._recorder is None:
+            self._recorder = Recorder(self._directory, tap)
+        self._recorder.append(batch)
+
+    def close(self) -> str:
+        """Ends it, reads it back, and says what it holds."""
+        assert self._recorder is not None
+        self._recorder.close()
+        recording = open_recording(self._directory)
+        size = sum(file.stat().st_size for file in self._directory.rglob("*") if file.is_file())
+        return (
+            f"recorded: {len(recording.scan_ns):,} scans, {len(recording.log):,} rows, "
+            f"{len(recording.log.gaps)} gaps, {size / 1e6:.1f} MB"
+        )
+
+
 def histogram(scans: Scans) -> Table:
     """How often which interval was met."""
     counts, _ = np.histogram(scans.intervals_ms, EDGES_MS)
@@ -117,16 +147,21 @@ def main() -> None:
     parser.add_argument("protocol", nargs="*", default=list(FLOORS), help="modbus, s7")
     parser.add_argument("--minutes", type=float, default=10.0)
     parser.add_argument("--interval", default="0", help="10ms; 0 for as fast as it goes")
+    parser.add_argument("--record", action="store_true", help="write a recording meanwhile")
     asked = parser.parse_args()
     console = Console()
     for protocol in asked.protocol:
-        scans = measure(protocol, asked.minutes * 60, asked.interval)
+        with tempfile.TemporaryDirectory() as directory:
+            recording = Recording(Path(directory) / "recording")
+            take = recording if asked.record else nothing
+            scans = measure(protocol, asked.minutes * 60, asked.interval, take)
+            recorded = recording.close() if asked.record else "not recorded"
         p50, p99, p999 = np.percentile(scans.intervals_ms, [50, 99, 99.9])
         console.print(
             f"{protocol}: {scans.per_second:,.0f} scans/s (floor {FLOORS[protocol]:,}) "
             f"for {scans.took_s:.0f} s; interval p50 {p50:.3f} ms, p99 {p99:.3f} ms, "
             f"p99.9 {p999:.3f} ms, max {scans.intervals_ms.max():.1f} ms; "
-            f"{scans.changes:,} changes, {scans.gaps} gaps"
+            f"{scans.changes:,} changes, {scans.gaps} gaps; {recorded}"
         )
         console.print(histogram(scans))
 

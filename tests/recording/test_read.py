@@ -6,7 +6,7 @@ import pytest
 
 import runglight as rl
 from runglight.log.changelog import Log
-from runglight.recording.read import MISSING, open_recording, read_recording
+from runglight.recording.read import MISSING, log_to_its_end, open_recording, read_recording
 from runglight.recording.recorder import Recorder, SealAt
 from runglight.recording.session import STOPPED
 from runglight.taps.base import Batch, Gap, TapSignal
@@ -180,3 +180,20 @@ def test_a_gap_that_ends_before_it_starts_is_refused() -> None:
     empty = Log.from_columns(*simulated(cycles=1).columns(), simulated(cycles=1).signals)
     with pytest.raises(rl.InputError, match="a gap ends at 5, before it starts at 9"):
         Log.from_columns(*empty.columns(), empty.signals, gaps=[(9, 5)])
+
+
+def test_a_line_that_stood_still_until_the_end_has_stopped(
+    tmp_path: Path, nominal_model: rl.NominalModel
+) -> None:
+    log = simulated(seed=3)
+    end_ns = int(log.columns()[0][-1])
+    signals = [TapSignal(name, name) for name in log.signals]
+    with Recorder(tmp_path / "recording", Tapped(signals), reserve_bytes=0) as recorder:
+        recorder.append(Batch(end_ns, *log.columns()))
+        recorder.append(Batch(until_ns=end_ns + 600 * SECOND))
+    closed = log_to_its_end(tmp_path / "recording")
+    assert int(closed.columns()[0][-1]) == end_ns + 600 * SECOND
+    kinds = [finding["kind"] for finding in nominal_model.watch(closed)]
+    assert "stall" in kinds
+    open_end = read_recording(tmp_path / "recording")
+    assert "stall" not in [finding["kind"] for finding in nominal_model.watch(open_end)]

@@ -34,6 +34,7 @@ from runglight.findings.finding import Finding, decode_finding
 from runglight.findings.store import FindingStore
 from runglight.log.changelog import read_log
 from runglight.model import NominalModel, learn
+from runglight.recording.read import log_to_its_end
 
 if TYPE_CHECKING:
     from rich.console import Console
@@ -126,7 +127,7 @@ async def _tell(
                 highlight=False,
             )
 
-    read_log(to / "watched").write(to / "faulty.csv")
+    log_to_its_end(to / "watched").write(to / "faulty.csv")
     with output(to / "findings.jsonl") as stream:
         stream.writelines(line + "\n" for line in watched.lines)
     findings = [decode_finding(line) for line in watched.lines]

@@ -23,6 +23,8 @@ from runglight.findings.finding import Finding, decode_finding
 from runglight.findings.store import FindingStore
 from runglight.log.symbols import names_by_address, read_symbols, renamed
 from runglight.model import ROWS_AT_ONCE, load_model
+from runglight.recording.layout import is_recording
+from runglight.recording.read import log_to_its_end
 from runglight.replacing import replacing
 from runglight.taps import is_live
 
@@ -96,7 +98,10 @@ def watch(
         return watch_live(model, nominal, source, configuration)
     if (option := live.first_said()) is not None:
         raise InputError(f"{option}: is for live sources, and {source or 'a table'} is a log")
-    log = _named(read(only, configuration.log), nominal, configuration)
+    log = read(only, configuration.log)
+    if only is not None and is_recording(Path(only)):
+        log = log_to_its_end(only)
+    log = _named(log, nominal, configuration)
 
     started = time.perf_counter()
     told = _Telling(settings)

@@ -84,6 +84,28 @@ def open_recording(
     return _recording(path, description, stretches, holes, notes)
 
 
+def log_to_its_end(directory: str | PathLike[str]) -> Log:
+    """The log of a recording, closed by a sample where recording ended after the last change.
+
+    A line that stands still until the end is told from one that was not watched any more.
+    """
+    recording = open_recording(directory, scans=False)
+    log = recording.log
+    time_ns, signal_index, value = log.columns()
+    if not len(log) or recording.until_ns <= time_ns[-1]:
+        return log
+    last = signal_index[-1]
+    closed = Log.from_columns(
+        np.append(time_ns, recording.until_ns),
+        np.append(signal_index, last),
+        np.append(value, value[-1]),
+        log.signals,
+        log.scan_interval_s,
+        gaps=log.engine.gaps,
+    )
+    return Log(closed.engine, log.path, log.report)
+
+
 def _tail_and_segments(path: Path, notes: list[str]) -> tuple[list[Stretch], list[int]]:
     if not (path / TAIL).exists():
         numbers = sealed_numbers(path)
