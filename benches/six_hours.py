@@ -128,7 +128,7 @@ def main() -> None:
     """The command."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
     parser.add_argument("--hours", type=float, default=6.0)
-    parser.add_argument("--interval", default="50ms")
+    parser.add_argument("--interval", default="10ms")
     asked = parser.parse_args()
     with tempfile.TemporaryDirectory() as name:
         directory = Path(name)
