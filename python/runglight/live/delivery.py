@@ -5,13 +5,16 @@ from __future__ import annotations
 import asyncio
 from typing import TYPE_CHECKING, Protocol
 
-from runglight.live.backoff import Backoff
+from runglight.taps.backoff import Backoff
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
     from runglight.findings.store import Kept
     from runglight.live.keeper import Keeper
+
+LONGEST_WAIT_NS = 30_000_000_000
+"""Between two tries to reach a receiver."""
 
 
 class RefusedError(Exception):
@@ -52,7 +55,7 @@ class Delivery:
         self.receiver = receiver
         self._keeper = keeper
         self._say = say
-        self._backoff = Backoff(first_s=0.2, most_s=30.0)
+        self._backoff = Backoff(longest_ns=LONGEST_WAIT_NS)
         self.delivered = 0
         self.refused = 0
         self._giving: asyncio.Task[bool] | None = None
@@ -65,7 +68,7 @@ class Delivery:
             findings = await self._next()
             self._giving = asyncio.create_task(self._give(findings))
             if not await asyncio.shield(self._giving):
-                await asyncio.sleep(self._backoff.next_s())
+                await asyncio.sleep(self._backoff.wait_ns() / 1e9)
 
     async def finish(self, within_s: float) -> None:
         """A last try for what is left; the rest is delivered by the next start."""

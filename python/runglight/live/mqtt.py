@@ -18,7 +18,8 @@ import msgspec
 
 from runglight import environment
 from runglight.errors import InputError
-from runglight.live.backoff import Backoff
+from runglight.live.delivery import LONGEST_WAIT_NS
+from runglight.taps.backoff import Backoff
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -69,7 +70,7 @@ class MqttPublisher:
 
     async def run(self) -> None:
         """Holds the connection and publishes the status, until cancelled."""
-        backoff = Backoff(first_s=0.2, most_s=30.0)
+        backoff = Backoff(longest_ns=LONGEST_WAIT_NS)
         while True:
             try:
                 async with self._new_client() as client:
@@ -87,7 +88,7 @@ class MqttPublisher:
             finally:
                 self._connected.clear()
                 self._client = None
-            await asyncio.sleep(backoff.next_s())
+            await asyncio.sleep(backoff.wait_ns() / 1e9)
 
     async def deliver(self, findings: Sequence[Kept]) -> None:
         """Publishes findings and returns when the broker has confirmed them."""

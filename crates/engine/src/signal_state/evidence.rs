@@ -60,6 +60,8 @@ struct Oddity {
     plant: f64,
     chains: Parts<ChainIndex>,
     families: Parts<Family>,
+    /// Of chains taken as programs of their own; empty where they are not.
+    own: BTreeMap<ChainIndex, f64>,
 }
 
 impl Oddity {
@@ -74,11 +76,26 @@ impl Oddity {
             plant: of_plant(chains.values()),
             chains: Parts::of(&chains),
             families: Parts::of(&families),
+            own: BTreeMap::new(),
         }
     }
 
+    /// Which way a device goes on is a program of its own: one that never did anything odd is taken
+    /// to be closed, whatever the rest of the plant does, and then the plant weighs one draw.
+    fn of_programs(tallies: impl Iterator<Item = (ChainIndex, Family, Tally)>) -> Self {
+        let tallies: Vec<_> = tallies.collect();
+        let mut chains: BTreeMap<ChainIndex, Tally> = BTreeMap::new();
+        for (chain, _, tally) in &tallies {
+            chains.entry(*chain).or_default().add(*tally);
+        }
+        let oddity = Self::of(tallies.into_iter());
+        let own = chains.into_iter().map(|(chain, tally)| (chain, tally.unseen(oddity.plant)));
+        Self { own: own.collect(), ..oddity }
+    }
+
     fn at(&self, chain: ChainIndex, family: Family) -> f64 {
-        (self.plant * self.chains.ratio(chain) * self.families.ratio(family)).min(1.0)
+        let alike = self.plant * self.chains.ratio(chain) * self.families.ratio(family);
+        self.own.get(&chain).map_or(alike, |&own| own.min(alike)).min(1.0)
     }
 }
 
@@ -105,7 +122,7 @@ impl Evidence {
         let families: Vec<Family> = rules.iter().map(|rule| names.of_rule(rule)).collect();
         let leaving = [ChainKind::Device, ChainKind::Group].map(|kind| {
             let of_kind = rules.iter().filter(|rule| names.chains.kind(rule.chain) == kind);
-            Oddity::of(of_kind.map(|rule| {
+            Oddity::of_programs(of_kind.map(|rule| {
                 let once = f64::from(rule.evidence() == 1);
                 let tally = Tally { once, kinds: once, draws: rule.evidence() as f64 };
                 (rule.chain, names.of_state(rule.current, kind), tally)
