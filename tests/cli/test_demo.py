@@ -29,8 +29,6 @@ def test_the_commands_the_demo_ends_with_work(runglight: Command) -> None:
     for log in ("faulty.csv", "watched"):
         watched = runglight("watch", "shown here/cell.model", f"shown here/{log}")
         assert "Look first at Group1-PrtLDR" in " ".join(watched.stdout.split())
-    assert runglight("simulate", "cell", "--log", "other.csv", "--fault", "5").returncode == 0
-    assert "Group1-PrtLDR" in runglight("watch", "shown here/cell.model", "other.csv").stdout
 
 
 def test_simulate_writes_log_labels_and_symbols(runglight: Command, tmp_path: Path) -> None:

@@ -9,7 +9,10 @@ from pathlib import Path
 
 import pytest
 
+import runglight as rl
+from runglight.configuration import DEFAULT_NAMING
 from runglight.findings.schema import KEYS
+from runglight.log.symbols import names_by_address
 from tests.conftest import Command, simulated
 
 
@@ -170,3 +173,21 @@ def test_confirm_of_a_kind_without_a_path(
     line = refused("confirm", model, stall)
     assert "kind stall" in line
     assert "has no path" in line
+
+
+def test_a_model_of_addresses_knows_a_log_of_names(
+    runglight: Command, tmp_path: Path, cell: Path
+) -> None:
+    table = names_by_address((cell / "symbols.csv").read_text(encoding="utf-8"), DEFAULT_NAMING)
+    addresses = {name: address for address, name in table.items()}
+    for log in ("nominal", "faulty"):
+        read = rl.read_log(cell / f"{log}.csv")
+        read.renamed([addresses[name] for name in read.signals]).write(tmp_path / f"{log}.csv")
+    learned = runglight("learn", "nominal.csv", "-o", "m", "--symbols", cell / "symbols.csv")
+    assert learned.returncode == 0, learned.stderr
+    told = [
+        runglight("watch", "m", log, "--format", "jsonl").stdout
+        for log in ("faulty.csv", cell / "faulty.csv")
+    ]
+    assert told[0] == told[1]
+    assert '"severity":"fault"' in told[0]

@@ -228,7 +228,7 @@ def _next(
     commands = [
         f"runglight show {model} --device {SHOWN_DEVICE}",
         f"runglight watch {model} {to / 'watched'} --format jsonl",
-        f"runglight simulate cell --log other.csv --fault 5 && runglight watch {model} other.csv",
+        f"runglight demo --fault 5 --to {to}",
     ]
     confirmable = [finding.id for finding in findings if finding.path and finding.kind != "stall"]
     if confirmable:

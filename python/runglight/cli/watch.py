@@ -21,12 +21,13 @@ from runglight.errors import InputError
 from runglight.findings import flat
 from runglight.findings.finding import Finding, decode_finding
 from runglight.findings.store import FindingStore
-from runglight.log.symbols import names_by_address, read_symbols, renamed
+from runglight.live.signal_names import model_names
 from runglight.model import ROWS_AT_ONCE, load_model
 from runglight.recording.layout import is_recording
 from runglight.recording.read import log_to_its_end
 from runglight.replacing import replacing
 from runglight.taps import is_live
+from runglight.taps.base import TapSignal
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -194,15 +195,16 @@ def _store(model: Path, stack: ExitStack) -> FindingStore | None:
 
 
 def _named(log: Log, model: NominalModel, configuration: Configuration) -> Log:
-    if configuration.symbols.table is None:
-        return log
-    table = read_symbols(Path(configuration.symbols.table))
-    naming = configuration.symbols.naming
-    in_force = model.symbols()
-    known = set(names_by_address(in_force, naming)) | set(
-        names_by_address(in_force, naming).values()
-    )
-    return renamed(log, names_by_address(table, naming), known)
+    """The log with its signals called as the model calls them, where a symbol table tells."""
+    name_of = model_names(model, configuration.symbols)
+    names = [name_of(TapSignal(signal, signal)) for signal in log.signals]
+    taken = set(log.signals)
+    # A name that the log has already is another signal's.
+    kept = [
+        name if name == signal or name not in taken else signal
+        for signal, name in zip(log.signals, names, strict=True)
+    ]
+    return log if kept == log.signals else log.renamed(kept)
 
 
 def _laid_over(file: Watch, **said: object) -> Watch:

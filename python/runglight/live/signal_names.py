@@ -19,13 +19,16 @@ def model_names(model: NominalModel, symbols: Symbols) -> Callable[[TapSignal], 
     """A function from a tap's signal to its name in the model.
 
     A signal the model knows by its own name keeps it. Otherwise its name or address is looked up
-    in the symbol table of the configuration, then in the one the model was learned with.
+    in the symbol table of the configuration, then in the one the model was learned with: a model
+    learned from addresses knows their names, and one learned from names their addresses.
     """
     known = set(model.signals)
     tables = [names_by_address(model.symbols(), symbols.naming)]
     if symbols.table is not None:
         table = read_symbols(Path(symbols.table))
         tables.insert(0, names_by_address(table, symbols.naming))
+
+    tables += [{name: address for address, name in table.items()} for table in tables]
 
     def name_of(signal: TapSignal) -> str:
         if signal.name in known:

@@ -509,7 +509,7 @@ fn logger_resolution(logs: &[&ChangeLog]) -> Nanoseconds {
 }
 
 /// Scans may come early by one part in this many of their interval.
-const SCAN_JITTER: Nanoseconds = 10;
+const SCAN_JITTER: Nanoseconds = 4;
 
 /// Events closer than this have no order; zero where only equal times are of one scan.
 ///
