@@ -21,13 +21,11 @@ from runglight.errors import InputError
 from runglight.findings import flat
 from runglight.findings.finding import Finding, decode_finding
 from runglight.findings.store import FindingStore
-from runglight.live.signal_names import model_names
+from runglight.live.signal_names import names_in_model
 from runglight.model import ROWS_AT_ONCE, load_model
 from runglight.recording.layout import is_recording
-from runglight.recording.read import log_to_its_end
 from runglight.replacing import replacing
 from runglight.taps import is_live
-from runglight.taps.base import TapSignal
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
@@ -101,6 +99,9 @@ def watch(
         raise InputError(f"{option}: is for live sources, and {source or 'a table'} is a log")
     log = read(only, configuration.log)
     if only is not None and is_recording(Path(only)):
+        # NumPy is loaded where a recording is read.
+        from runglight.recording.read import log_to_its_end  # noqa: PLC0415
+
         log = log_to_its_end(only)
     log = _named(log, nominal, configuration)
 
@@ -196,15 +197,16 @@ def _store(model: Path, stack: ExitStack) -> FindingStore | None:
 
 def _named(log: Log, model: NominalModel, configuration: Configuration) -> Log:
     """The log with its signals called as the model calls them, where a symbol table tells."""
-    name_of = model_names(model, configuration.symbols)
-    names = [name_of(TapSignal(signal, signal)) for signal in log.signals]
-    taken = set(log.signals)
+    signals = log.signals
+    if set(signals) <= set(model.signals):
+        return log
+    name_of = names_in_model(model, configuration.symbols)
+    taken = set(signals)
     # A name that the log has already is another signal's.
-    kept = [
-        name if name == signal or name not in taken else signal
-        for signal, name in zip(log.signals, names, strict=True)
+    names = [
+        name if (name := name_of(signal, signal)) not in taken else signal for signal in signals
     ]
-    return log if kept == log.signals else log.renamed(kept)
+    return log if names == signals else log.renamed(names)
 
 
 def _laid_over(file: Watch, **said: object) -> Watch:
