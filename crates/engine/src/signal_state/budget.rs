@@ -12,6 +12,7 @@ use super::evidence::Evidence;
 use super::model::Learned;
 use super::parameters::Parameters;
 use super::rules::{Rule, RuleTable};
+use super::shares::FirstSeenByCount;
 use super::sisters::Names;
 
 const DAY_S: f64 = 86_400.0;
@@ -71,8 +72,9 @@ impl Budget {
         });
         // What a group's chain takes says nothing that its devices' do not.
         let timed = rules.iter().filter(|rule| chains.kind(rule.chain) == ChainKind::Device);
+        let mut first = FirstSeenByCount::default();
         let taking = timed.map(|rule| Chance {
-            probability: evidence.any_odd_time(rule, names),
+            probability: evidence.any_odd_time(rule, names, &mut first),
             a_day: a_day(rule.count.into()),
         });
         Self {

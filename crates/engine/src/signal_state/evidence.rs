@@ -13,7 +13,7 @@ use crate::timing::shape::Shapes;
 use super::chains::{ChainIndex, ChainKind};
 use super::oddity::{Parts, Tally, of_plant};
 use super::rules::{Rule, RuleTable, row_of};
-use super::shares::SharesBySisters;
+use super::shares::{FirstSeenByCount, SharesBySisters};
 use super::sisters::{Family, Names};
 use super::states::StateId;
 
@@ -186,19 +186,24 @@ impl Evidence {
         let longest = rule.judged().iter().map(|c| c.maximum_s).fold(0.0, f64::max);
         let beyond =
             if time_s > longest && time_s > 0.0 { longest.max(1e-3) / time_s } else { 1.0 };
-        let (odd, usual) = self.unseen_times(rule, names);
+        let (odd, usual) = self.unseen_times(rule, names, &mut FirstSeenByCount::default());
         (odd * beyond.min(1.0)).max(usual)
     }
 
     /// Probability that a transition of a healthy machine takes any time outside all that is usual
     /// for it.
-    pub fn any_odd_time(&self, rule: &Rule, names: Names<'_>) -> f64 {
-        let (odd, usual) = self.unseen_times(rule, names);
+    pub fn any_odd_time(&self, rule: &Rule, names: Names<'_>, first: &mut FirstSeenByCount) -> f64 {
+        let (odd, usual) = self.unseen_times(rule, names, first);
         odd.max(usual)
     }
 
     /// Probabilities of an odd time, and of a usual one not seen yet.
-    fn unseen_times(&self, rule: &Rule, names: Names<'_>) -> (f64, f64) {
+    fn unseen_times(
+        &self,
+        rule: &Rule,
+        names: Names<'_>,
+        first: &mut FirstSeenByCount,
+    ) -> (f64, f64) {
         let tally = Tally {
             once: rare_instances(rule) as f64,
             draws: rule.evidence() as f64,
@@ -208,7 +213,7 @@ impl Evidence {
         let family = names.of_rule(rule);
         let shares = &self.shares[usize::from(character == Character::OpenWait)];
         let odd = tally.unseen(self.times[character as usize].at(rule.chain, family));
-        (odd, shares.unseen(rule, family))
+        (odd, shares.unseen(rule, family, first))
     }
 
     /// Shapes of the times of a rule's kind.

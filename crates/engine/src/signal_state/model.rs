@@ -15,7 +15,7 @@ use super::evidence::Evidence;
 use super::lanes::Lanes;
 use super::parameters::{Parameters, Timing};
 use super::rules::{Rule, RuleTable};
-use super::sisters::Names;
+use super::sisters::{Names, stem};
 use super::states::{StateId, States, full_state_name, short_state_name};
 
 /// Facts of the learning logs that are no rules.
@@ -75,7 +75,8 @@ impl NominalModel {
         let chains = Chains::of(&plant);
         let table = RuleTable::build(&mut rules, &chains, states.len());
         let resolution_s = learned.resolution as f64 / SECOND as f64;
-        let names = Names { plant: &plant, states: &states, chains: &chains };
+        let stems: Vec<u64> = (0..).zip(&plant.signals).map(|(i, _)| stem(&plant, i)).collect();
+        let names = Names { plant: &plant, states: &states, chains: &chains, stems: &stems };
         let evidence = Evidence::of(&rules, names, resolution_s);
         let budget = Budget::of(&parameters, &learned, &rules, &table, names, &evidence);
         let tail = Tail::new(budget.per_tail);
@@ -98,7 +99,7 @@ impl NominalModel {
 
     /// What tells sisters.
     pub(super) fn names(&self) -> Names<'_> {
-        Names { plant: &self.plant, states: &self.states, chains: &self.chains }
+        Names { plant: &self.plant, states: &self.states, chains: &self.chains, stems: &[] }
     }
 
     /// Device or group chain of a rule.

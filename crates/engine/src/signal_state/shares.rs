@@ -33,13 +33,35 @@ impl Shares {
         }
     }
 
-    /// The mass that the next instance of a rule seen so often finds, times the number of rules.
-    fn unseen(&self, instances: u64) -> f64 {
-        let mass = |&(percent, clusters): &(u8, u32)| {
-            let share = f64::from(percent) / 100.0;
-            f64::from(clusters) * share * (1.0 - share).powf(instances as f64)
-        };
+    /// The mass that the next instance finds of a rule whose clusters are found so, times the
+    /// number of rules.
+    fn unseen(&self, first: &FirstSeen) -> f64 {
+        let mass = |&(percent, clusters): &(u8, u32)| f64::from(clusters) * first[percent as usize];
         self.clusters.iter().map(mass).sum()
+    }
+}
+
+/// By share in hundredths: probability that the next instance of a rule is its first of a cluster.
+type FirstSeen = [f64; 101];
+
+/// What [`FirstSeen`] is after so many instances.
+fn first_seen(instances: u64) -> FirstSeen {
+    std::array::from_fn(|percent| {
+        let share = percent as f64 / 100.0;
+        share * (1.0 - share).powf(instances as f64)
+    })
+}
+
+/// [`first_seen`] of the counts that were asked for: most transitions of a plant are seen about
+/// equally often.
+#[derive(Debug, Default)]
+pub struct FirstSeenByCount {
+    known: HashMap<u64, FirstSeen>,
+}
+
+impl FirstSeenByCount {
+    fn of(&mut self, instances: u64) -> &FirstSeen {
+        self.known.entry(instances).or_insert_with(|| first_seen(instances))
     }
 }
 
@@ -61,13 +83,13 @@ impl SharesBySisters {
 
     /// Probability that the next instance of a rule takes a usual time of its own that has not been
     /// seen yet.
-    pub fn unseen(&self, rule: &Rule, family: Family) -> f64 {
-        let instances = rule.evidence();
-        let prior = self.all.unseen(instances) / f64::from(self.all.rules.max(1));
+    pub fn unseen(&self, rule: &Rule, family: Family, first: &mut FirstSeenByCount) -> f64 {
+        let first = first.of(rule.evidence());
+        let prior = self.all.unseen(first) / f64::from(self.all.rules.max(1));
         let (mass, rules) = self
             .families
             .get(&family)
-            .map_or((0.0, 0), |shares| (shares.unseen(instances), shares.rules));
+            .map_or((0.0, 0), |shares| (shares.unseen(first), shares.rules));
         (mass + prior) / (f64::from(rules) + 1.0)
     }
 }

@@ -4,6 +4,7 @@
 //! make, so that what one does now and then the others may do as well. A plant whose names carry
 //! no numbers has no sisters, and every transition stands for itself.
 
+use crate::log::SignalIndex;
 use crate::plant::Plant;
 
 use super::chains::{ChainKind, Chains};
@@ -22,6 +23,20 @@ pub struct Names<'a> {
     pub states: &'a States,
     /// Which chain is a device's.
     pub chains: &'a Chains,
+    /// [`stem`] of every signal, where many are asked for; empty where few are.
+    pub stems: &'a [u64],
+}
+
+/// What a signal's and its device's names have in common with those of sisters.
+pub fn stem(plant: &Plant, signal: SignalIndex) -> u64 {
+    let mut hash = xxhash_rust::xxh3::Xxh3::new();
+    for name in [&plant.device_of(signal).name, &plant.signals[signal as usize].name] {
+        for part in name.split(|c: char| c.is_ascii_digit()) {
+            hash.update(part.as_bytes());
+        }
+        hash.update(&[0]);
+    }
+    hash.digest()
 }
 
 impl Names<'_> {
@@ -46,14 +61,11 @@ impl Names<'_> {
             return;
         }
         let (signal, value) = self.states.signal_value(state);
-        let of_signal = &self.plant.signals[signal as usize];
-        let device = &self.plant.device_of(signal).name;
-        for name in [device, &of_signal.name] {
-            for part in name.split(|c: char| c.is_ascii_digit()) {
-                hash.update(part.as_bytes());
-            }
-            hash.update(&[0]);
-        }
+        let stem = match self.stems.get(signal as usize) {
+            Some(&stem) => stem,
+            None => stem(self.plant, signal),
+        };
+        hash.update(&stem.to_le_bytes());
         hash.update(&value.to_le_bytes());
         hash.update(&[u8::from(kind == ChainKind::Group)]);
     }
