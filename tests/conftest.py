@@ -30,7 +30,7 @@ def runglight(tmp_path: Path) -> Command:
             capture_output=True,
             encoding="utf-8",
             errors="replace",
-            timeout=120,
+            timeout=900,
             check=False,
         )
 

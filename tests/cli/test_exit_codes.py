@@ -177,7 +177,7 @@ def test_ctrl_c(tmp_path: Path) -> None:
     assert running.stdout.readline() == "started\n"
     time.sleep(0.05)
     running.send_signal(signal.SIGINT)
-    _, said = running.communicate(timeout=30)
+    _, said = running.communicate(timeout=300)
     assert running.returncode == 130
     assert said == "runglight: interrupted\n"
 

@@ -67,7 +67,7 @@ def test_interrupted_it_says_what_was_recorded(tmp_path: Path, cell: Path, how: 
         assert "connected" in process.stderr.readline()
         (folder / "photo.jpg").write_bytes(b"photo")
         process.send_signal(how)
-        said, complained = process.communicate(timeout=60)
+        said, complained = process.communicate(timeout=300)
     assert process.returncode == 130, complained
     assert complained == ""
     assert "1 photo" in said

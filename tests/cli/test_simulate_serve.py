@@ -45,7 +45,7 @@ class Served:
 
     def end(self, with_signal: signal.Signals) -> tuple[int, str]:
         self.process.send_signal(with_signal)
-        out, error = self.process.communicate(timeout=60)
+        out, error = self.process.communicate(timeout=300)
         self.lines += out.splitlines()
         return self.process.returncode, error
 

@@ -15,7 +15,7 @@ import pytest
 from runglight.findings.store import FindingStore
 from tests.conftest import Command
 
-GUARD_S = 120
+GUARD_S = 600
 
 
 @pytest.fixture

@@ -11,7 +11,7 @@ from runglight.log.changelog import Log
 from runglight.model import NominalModel
 from tests.live.double_tap import DoubleTap
 
-GUARD_S = 60.0
+GUARD_S = 300.0
 
 
 class Watching:

@@ -20,7 +20,7 @@ from runglight.taps.virtual_clock import VirtualClock
 
 START_NS = 1_767_592_800_000_000_000
 SECOND_NS = 1_000_000_000
-GUARD_S = 240
+GUARD_S = 900
 
 
 class Run:

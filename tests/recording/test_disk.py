@@ -91,7 +91,7 @@ def test_a_failing_disk_is_told_once(tmp_path: Path) -> None:
         cwd=Path(__file__).parents[2],
         capture_output=True,
         encoding="utf-8",
-        timeout=120,
+        timeout=600,
         check=False,
     )
     assert ended.returncode == 0, ended.stderr

@@ -55,7 +55,7 @@ def test_polled_in_virtual_time_it_shows_every_change_of_the_simulated_run() -> 
             client.close()
             return seen, plc.changes
 
-    seen, changes = asyncio.run(asyncio.wait_for(poll(), 240))
+    seen, changes = asyncio.run(asyncio.wait_for(poll(), 900))
     assert len(expected) > 50
     assert seen == expected
     assert changes == expected

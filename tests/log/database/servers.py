@@ -39,7 +39,7 @@ def postgresql_server() -> Iterator[str]:
             stdout=subprocess.DEVNULL,
             stderr=subprocess.DEVNULL,
             check=True,
-            timeout=120,
+            timeout=600,
         )
 
     try:
@@ -79,7 +79,7 @@ def mariadb_server() -> Iterator[str]:
             ],
             **quiet,
             check=True,
-            timeout=120,
+            timeout=600,
         )
         process = subprocess.Popen(
             [

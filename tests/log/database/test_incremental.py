@@ -367,7 +367,7 @@ def test_following(tmp_path: Path) -> None:
     with pytest.raises(rl.InputError, match="another import is writing to it"):
         taken(url, "history", tmp_path / "plant")
     following.send_signal(signal.SIGTERM)
-    rest, said = following.communicate(timeout=60)
+    rest, said = following.communicate(timeout=300)
     assert (following.returncode, rest) == (0, "")
     assert "Traceback" not in said
     assert values(tmp_path / "plant") == [1, 2, 3]
@@ -418,7 +418,7 @@ def test_a_database_that_is_away_for_a_while(tmp_path: Path) -> None:
     held.close()
     assert following.stdout.readline() == "plant: 1 new rows, 2 in all\n"
     following.send_signal(signal.SIGTERM)
-    rest, said = following.communicate(timeout=60)
+    rest, said = following.communicate(timeout=300)
     assert (following.returncode, rest, said) == (0, "", "")
 
 
