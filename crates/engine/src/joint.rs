@@ -12,6 +12,7 @@ use crate::cycle::monitor::Monitor as CycleMonitor;
 use crate::cycle::witnesses::Witnesses;
 use crate::finding::Finding;
 use crate::log::{Nanoseconds, SECOND, SignalIndex};
+use crate::saved_state;
 use crate::signal_state::events::Row;
 use crate::signal_state::model::NominalModel;
 use crate::signal_state::monitor::{Monitor, MonitorError};
@@ -89,10 +90,7 @@ impl JointMonitor {
             joint.signal_state = Some(Monitor::restore(model, bytes)?);
             return Ok(joint);
         };
-        let (body, checksum) = bytes.split_last_chunk::<8>().ok_or(MonitorError::Damaged)?;
-        if xxhash_rust::xxh3::xxh3_64(body) != u64::from_le_bytes(*checksum) {
-            return Err(MonitorError::Damaged);
-        }
+        let body = saved_state::unsealed(bytes).ok_or(MonitorError::Damaged)?;
         // Without a cycle machine the same bytes are the signal-state monitor's own.
         let saved: Saved = postcard::from_bytes(body).map_err(|_| MonitorError::OtherModel)?;
         if saved.version != STATE_VERSION {
@@ -120,10 +118,7 @@ impl JointMonitor {
             witnesses: self.witnesses.clone(),
             now: self.now,
         };
-        let mut bytes = postcard::to_stdvec(&saved).unwrap_or_default();
-        let checksum = xxhash_rust::xxh3::xxh3_64(&bytes);
-        bytes.extend_from_slice(&checksum.to_le_bytes());
-        bytes
+        saved_state::sealed(&saved)
     }
 
     /// The number of a signal by its symbol, known or not.

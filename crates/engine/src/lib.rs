@@ -9,6 +9,7 @@ pub mod joint;
 pub mod log;
 pub mod naming;
 pub mod plant;
+mod saved_state;
 pub mod signal_state;
 pub mod stem;
 pub mod symbol_index;

@@ -66,29 +66,32 @@ struct Oddity {
 
 impl Oddity {
     fn of(tallies: impl Iterator<Item = (ChainIndex, Family, Tally)>) -> Self {
+        Self::with_chains(tallies).0
+    }
+
+    /// Also the tallies of the chains.
+    fn with_chains(
+        tallies: impl Iterator<Item = (ChainIndex, Family, Tally)>,
+    ) -> (Self, BTreeMap<ChainIndex, Tally>) {
         let mut chains: BTreeMap<ChainIndex, Tally> = BTreeMap::new();
         let mut families: BTreeMap<Family, Tally> = BTreeMap::new();
         for (chain, family, tally) in tallies {
             chains.entry(chain).or_default().add(tally);
             families.entry(family).or_default().add(tally);
         }
-        Self {
+        let oddity = Self {
             plant: of_plant(chains.values()),
             chains: Parts::of(&chains),
             families: Parts::of(&families),
             own: BTreeMap::new(),
-        }
+        };
+        (oddity, chains)
     }
 
     /// Which way a device goes on is a program of its own: one that never did anything odd is taken
     /// to be closed, whatever the rest of the plant does, and then the plant weighs one draw.
     fn of_programs(tallies: impl Iterator<Item = (ChainIndex, Family, Tally)>) -> Self {
-        let tallies: Vec<_> = tallies.collect();
-        let mut chains: BTreeMap<ChainIndex, Tally> = BTreeMap::new();
-        for (chain, _, tally) in &tallies {
-            chains.entry(*chain).or_default().add(*tally);
-        }
-        let oddity = Self::of(tallies.into_iter());
+        let (oddity, chains) = Self::with_chains(tallies);
         let own = chains.into_iter().map(|(chain, tally)| (chain, tally.unseen(oddity.plant)));
         Self { own: own.collect(), ..oddity }
     }

@@ -15,6 +15,7 @@ use thiserror::Error;
 
 use crate::finding::Finding;
 use crate::log::{Nanoseconds, SECOND, SignalIndex};
+use crate::saved_state;
 use crate::timing::limits::Accepted;
 
 use super::chains::{ChainIndex, ChainKind};
@@ -353,10 +354,7 @@ impl Monitor {
             watch: self.watch.clone(),
             counters: self.lanes.counters(),
         };
-        let mut bytes = postcard::to_stdvec(&saved).unwrap_or_default();
-        let checksum = xxhash_rust::xxh3::xxh3_64(&bytes);
-        bytes.extend_from_slice(&checksum.to_le_bytes());
-        bytes
+        saved_state::sealed(&saved)
     }
 
     /// Goes on from a saved state.
@@ -364,10 +362,7 @@ impl Monitor {
     /// # Errors
     /// Damaged bytes, another version, or the state of another model.
     pub fn restore(model: Arc<NominalModel>, bytes: &[u8]) -> Result<Self, MonitorError> {
-        let (body, checksum) = bytes.split_last_chunk::<8>().ok_or(MonitorError::Damaged)?;
-        if xxhash_rust::xxh3::xxh3_64(body) != u64::from_le_bytes(*checksum) {
-            return Err(MonitorError::Damaged);
-        }
+        let body = saved_state::unsealed(bytes).ok_or(MonitorError::Damaged)?;
         let saved: Saved = postcard::from_bytes(body).map_err(|_| MonitorError::Damaged)?;
         if saved.version != STATE_VERSION {
             return Err(MonitorError::Damaged);
