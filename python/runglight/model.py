@@ -15,6 +15,7 @@ from runglight.errors import InputError
 from runglight.findings.batch import Findings
 from runglight.log.changelog import Log, arrow_table
 from runglight.log.symbols import read_symbols
+from runglight.moments import nanoseconds
 from runglight.strictly import convert
 
 if TYPE_CHECKING:
@@ -57,11 +58,11 @@ class Monitor:
 
     def advance(self, now: datetime | int) -> Findings:
         """Time went on without a change (aware datetime, or nanoseconds since 1970): stalls."""
-        return Findings(self._engine.advance(_nanoseconds(now)))
+        return Findings(self._engine.advance(nanoseconds(now)))
 
     def gap(self, start: datetime | int, end: datetime | int) -> Findings:
         """Nothing was recorded between two times: resynchronises instead of alarming."""
-        return Findings(self._engine.gap(_nanoseconds(start), _nanoseconds(end)))
+        return Findings(self._engine.gap(nanoseconds(start), nanoseconds(end)))
 
     def finish(self) -> Findings:
         """The log has ended."""
@@ -201,14 +202,3 @@ def _logs(logs: Any) -> list[Log]:
     if hasattr(logs, "__arrow_c_stream__"):
         return [Log.from_arrow(logs)]
     return [log if isinstance(log, Log) else Log.from_arrow(log) for log in logs]
-
-
-def _nanoseconds(time: datetime | int) -> int:
-    if isinstance(time, int):
-        return time
-    if time.tzinfo is None:
-        raise InputError(f"{time.isoformat()} has no time zone; give an aware datetime")
-    from datetime import UTC, datetime, timedelta  # noqa: PLC0415
-
-    since = time - datetime(1970, 1, 1, tzinfo=UTC)
-    return since // timedelta(microseconds=1) * 1000

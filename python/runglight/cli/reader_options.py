@@ -16,6 +16,7 @@ from runglight.errors import InputError
 from runglight.log.changelog import Log, read_log_with
 from runglight.log.options import ReadOptions
 from runglight.quantities import duration_s
+from runglight.recording.layout import is_recording
 from runglight.taps import is_live
 
 if TYPE_CHECKING:
@@ -105,12 +106,21 @@ class ReaderOptions:
         return msgspec.structs.replace(file, **changes)
 
 
-def read(path: Path | str | None, options: ReadOptions) -> Log:
-    """Reads a log (None: the table the options name) and tells the user what was left out."""
+def read(path: Path | str | None, options: ReadOptions, *, to_its_end: bool = False) -> Log:
+    """Reads a log (None: the table the options name) and tells the user what was left out.
+
+    With `to_its_end` a recording is closed where recording ended; see `log_to_its_end`.
+    """
     if path is not None:
         refuse_live(str(path))
     with terminal.working(f"Reading {options.table if path is None else path}"):
-        log = read_log_with(path, options)
+        if to_its_end and path is not None and is_recording(Path(path)):
+            # NumPy is loaded where a recording is read.
+            from runglight.recording.read import log_to_its_end  # noqa: PLC0415
+
+            log = log_to_its_end(path)
+        else:
+            log = read_log_with(path, options)
     for sentence in log.report.sentences(str(log.path)):
         terminal.note(sentence)
     return log

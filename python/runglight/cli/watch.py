@@ -23,7 +23,6 @@ from runglight.findings.finding import Finding, decode_finding
 from runglight.findings.store import FindingStore
 from runglight.live.signal_names import names_in_model
 from runglight.model import ROWS_AT_ONCE, load_model
-from runglight.recording.layout import is_recording
 from runglight.replacing import replacing
 from runglight.taps import is_live
 
@@ -97,12 +96,7 @@ def watch(
         return watch_live(model, nominal, source, configuration)
     if (option := live.first_said()) is not None:
         raise InputError(f"{option}: is for live sources, and {source or 'a table'} is a log")
-    log = read(only, configuration.log)
-    if only is not None and is_recording(Path(only)):
-        # NumPy is loaded where a recording is read.
-        from runglight.recording.read import log_to_its_end  # noqa: PLC0415
-
-        log = log_to_its_end(only)
+    log = read(only, configuration.log, to_its_end=True)
     log = _named(log, nominal, configuration)
 
     started = time.perf_counter()
