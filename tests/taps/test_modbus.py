@@ -11,7 +11,7 @@ import pytest
 
 from runglight.errors import InputError
 from runglight.taps import modbus_connection, open_tap
-from runglight.taps.base import Batch, ConnectionState, Gap, Tap
+from runglight.taps.base import Batch, Gap, Tap
 from runglight.taps.modbus_connection import (
     ILLEGAL_VALUE,
     ModbusConnection,
@@ -31,8 +31,8 @@ from tests.taps.scripted_server import (
     Answer,
     ScriptedServer,
     modbus_frame_bytes,
-    never_complete,
 )
+from tests.taps.silence import is_retried_for_ever
 
 HANGS_S = 60
 
@@ -364,21 +364,7 @@ def test_a_device_that_falls_silent_is_asked_over_a_new_connection() -> None:
 
 
 def test_a_device_that_accepts_and_never_answers_is_retried_for_ever() -> None:
-    async def test() -> None:
-        async with ScriptedServer(lambda frame: None, never_complete) as server:
-            url = f"modbus://127.0.0.1:{server.port}?coils=0-9&timeout=50ms"
-            with pytest.raises(InputError, match=r"no reply in 0\.05 s"):
-                await open_tap(url).check()
-            async with open_tap(url) as tap:
-                reading = asyncio.ensure_future(anext(aiter(tap)))
-                while server.connections < 4:
-                    await asyncio.sleep(0.01)
-                assert not reading.done()
-                assert tap.connection.state is ConnectionState.RETRYING
-                reading.cancel()
-                await asyncio.gather(reading, return_exceptions=True)
-
-    run(test())
+    run(is_retried_for_ever("modbus", "coils=0-9&timeout=50ms", r"no reply in 0\.05 s"))
 
 
 def test_a_reply_in_pieces_is_put_together() -> None:

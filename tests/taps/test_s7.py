@@ -13,7 +13,7 @@ from snap7.type import SrvArea
 
 from runglight.errors import InputError
 from runglight.taps import open_tap
-from runglight.taps.base import Batch, ConnectionState, Gap
+from runglight.taps.base import Batch, Gap
 from tests.taps.benches.s7 import S7Bench
 from tests.taps.fakes import FakeClock
 from tests.taps.scripted_s7 import (
@@ -25,7 +25,8 @@ from tests.taps.scripted_s7 import (
     reply,
     s7_frame_bytes,
 )
-from tests.taps.scripted_server import ScriptedServer, never_complete
+from tests.taps.scripted_server import ScriptedServer
+from tests.taps.silence import is_retried_for_ever
 
 HANGS_S = 60
 PE, PA, DB = 0x81, 0x82, 0x84
@@ -280,21 +281,7 @@ def test_a_plc_that_falls_silent_is_asked_over_a_new_connection() -> None:
 
 
 def test_a_host_that_accepts_and_never_answers_is_retried_for_ever() -> None:
-    async def test() -> None:
-        async with ScriptedServer(lambda frame: None, never_complete) as server:
-            url = f"s7://127.0.0.1:{server.port}?pe=0&timeout=50ms"
-            with pytest.raises(InputError, match=r"127\.0\.0\.1"):
-                await open_tap(url).check()
-            async with open_tap(url) as tap:
-                reading = asyncio.ensure_future(anext(aiter(tap)))
-                while server.connections < 4:
-                    await asyncio.sleep(0.01)
-                assert not reading.done()
-                assert tap.connection.state is ConnectionState.RETRYING
-                reading.cancel()
-                await asyncio.gather(reading, return_exceptions=True)
-
-    run(test())
+    run(is_retried_for_ever("s7", "pe=0&timeout=50ms", r"127\.0\.0\.1"))
 
 
 def test_connecting_takes_no_longer_than_the_time_out(monkeypatch: pytest.MonkeyPatch) -> None:
