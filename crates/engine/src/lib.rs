@@ -9,6 +9,7 @@ pub mod joint;
 pub mod log;
 pub mod naming;
 pub mod plant;
+pub mod process;
 mod saved_state;
 pub mod signal_state;
 pub mod stem;
