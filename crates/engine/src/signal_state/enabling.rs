@@ -46,6 +46,8 @@ const LOOK_BACK: usize = 48;
 const EXPLAINED: f64 = 0.9;
 /// Each partner of a join must explain at least this share alone.
 const PARTNER: f64 = 0.08;
+/// Candidates that may lead a join.
+const LEADING: usize = 24;
 /// Finalists measured on all instances, of single triggers and of joins.
 const FINALISTS: usize = 6;
 /// A trigger must leave no more than this share of the own spread.
@@ -54,11 +56,15 @@ const GAIN: f64 = 0.5;
 const SEVERAL: f64 = 2.0;
 /// Own times spreading less than this many resolutions, or this share of the time, are tight.
 const TIGHT_RESOLUTIONS: f64 = 5.0;
-const TIGHT_SHARE: f64 = 0.01;
+const TIGHT_SHARE: f64 = 0.0001;
 /// Delays that agree within this are steady, at the most.
 const STEADY_AT_MOST_S: f64 = 1.0;
 /// Instances whose happenings are fetched ahead of their turn.
 const TOUCHED: usize = 16;
+/// So many instances a trigger must leave unexplained before a partner is looked for, and the
+/// partner must explain this share of them.
+const LEFT_AT_LEAST: usize = 3;
+const LEFT_EXPLAINED: f64 = 0.6;
 /// Share of each tail of delays that may be outliers.
 const OUTLIERS: f64 = 0.01;
 
@@ -163,6 +169,8 @@ struct Candidate {
     mask: u32,
     /// Least and greatest of those distances, in seconds.
     window: (f64, f64),
+    /// The same within the width that the scans alone explain: what partners of a join share.
+    close: Window,
 }
 
 impl<'a> Search<'a> {
@@ -242,8 +250,8 @@ impl<'a> Search<'a> {
         }
         let voters = instances.len().min(VOTERS);
         let candidates = self.vote(instances, own_s, (current, next), steady, voters);
-        let finalists = finalists(&candidates, voters, steady);
-        finalists
+        let finalists = finalists(&candidates, voters, (self.close_s(), steady));
+        let best = finalists
             .into_iter()
             .filter_map(|states| {
                 let delays = self.delays(instances, own_s, states, next)?;
@@ -260,11 +268,61 @@ impl<'a> Search<'a> {
                     (left + if several { SEVERAL } else { 0.0 }) * 1e6 + delays[n / 2]
                 };
                 rank(a).total_cmp(&rank(b))
+            })?;
+        let (_, delays, states) =
+            self.with_partner(instances, own_s, (current, next), &best).unwrap_or(best);
+        Some(Trigger { states, clusters: optimal::cluster(&delays, self.resolution_s).into() })
+    }
+
+    /// Delays that agree within this differ by no more than scans do.
+    fn close_s(&self) -> f64 {
+        2.0 * TIGHT_RESOLUTIONS * self.resolution_s
+    }
+
+    /// The partner of a single trigger that explains most instances and leaves some far off: the
+    /// instances left vote for what they really waited for, at the same distance.
+    fn with_partner(
+        &mut self,
+        instances: &[u32],
+        own_s: &[f64],
+        (current, next): (StateId, StateId),
+        (spread, _, [one, other]): &(f64, Vec<f64>, [StateId; 2]),
+    ) -> Option<(f64, Vec<f64>, [StateId; 2])> {
+        let close = self.close_s();
+        if *other != NO_STATE || *spread <= close {
+            return None;
+        }
+        let delays = self.delay_of_each(instances, own_s, [*one, NO_STATE], next);
+        let mut sorted: Vec<f64> = delays.iter().copied().filter(|d| d.is_finite()).collect();
+        sorted.sort_unstable_by(f64::total_cmp);
+        let (low, high) = most_within(&sorted, close)?;
+        let explained = |delay: f64| (low..=high).contains(&delay);
+        let left = delays.iter().enumerate().filter(|(_, delay)| !explained(**delay));
+        let left: Vec<usize> = left.map(|(at, _)| at).collect();
+        if left.len() < LEFT_AT_LEAST || left.len() * 3 > instances.len() * 2 {
+            return None;
+        }
+        let theirs: Vec<u32> = left.iter().map(|&at| instances[at]).collect();
+        let own: Vec<f64> = left.iter().map(|&at| own_s[at]).collect();
+        let voters = theirs.len().min(VOTERS);
+        let mut candidates = self.vote(&theirs, &own, (current, next), close, voters);
+        candidates.retain(|c| {
+            let (mask, (least, most)) = c.close;
+            c.state != *one
+                && f64::from(mask.count_ones()) >= LEFT_EXPLAINED * voters as f64
+                && most.max(high) - least.min(low) <= 1.5 * close
+        });
+        candidates.sort_by_key(|c| std::cmp::Reverse(c.close.0.count_ones()));
+        candidates
+            .iter()
+            .take(FINALISTS)
+            .filter_map(|c| {
+                let states = [*one, c.state];
+                let delays = self.delays(instances, own_s, states, next)?;
+                let joined = residual_spread(&delays);
+                (joined <= GAIN * spread).then_some((joined, delays, states))
             })
-            .map(|(_, delays, states)| Trigger {
-                states,
-                clusters: optimal::cluster(&delays, self.resolution_s).into(),
-            })
+            .min_by(|a, b| a.0.total_cmp(&b.0))
     }
 
     /// Lets a sample of the instances look back; the own last event always stands for election.
@@ -294,10 +352,11 @@ impl<'a> Search<'a> {
         for run in meetings.chunk_by(|a, b| a.state == b.state) {
             if self.may_enable(run[0].state, next, run)
                 && let Some((mask, window)) = densest(run, steady)
+                && let Some(close) = densest(run, steady.min(self.close_s()))
                 && (mask.count_ones() >= u32::from(least) || run[0].state == current)
             {
                 let met = run.len() as u32;
-                candidates.push(Candidate { state: run[0].state, met, mask, window });
+                candidates.push(Candidate { state: run[0].state, met, mask, window, close });
             }
         }
         self.meetings = meetings;
@@ -385,6 +444,20 @@ impl<'a> Search<'a> {
         states: [StateId; 2],
         next: StateId,
     ) -> Option<Vec<f64>> {
+        let mut delays = self.delay_of_each(instances, own_s, states, next);
+        delays.retain(|delay| delay.is_finite());
+        delays.sort_unstable_by(f64::total_cmp);
+        (delays.len() as f64 >= EXPLAINED * instances.len() as f64).then_some(delays)
+    }
+
+    /// The same in the order of the instances; infinite where there was no fresh one.
+    fn delay_of_each(
+        &self,
+        instances: &[u32],
+        own_s: &[f64],
+        states: [StateId; 2],
+        next: StateId,
+    ) -> Vec<f64> {
         let mut delays: Vec<f64> = Vec::with_capacity(instances.len());
         let mut cursors = [0usize; 2];
         let entries = self.entries(next);
@@ -420,10 +493,9 @@ impl<'a> Search<'a> {
                 latest = latest.max(time);
             }
             let delay = latest.filter(|_| fresh).map(|time| seconds(here.time - time));
-            delays.extend(delay.filter(|&delay| delay <= own));
+            delays.push(delay.filter(|&delay| delay <= own).unwrap_or(f64::INFINITY));
         }
-        delays.sort_unstable_by(f64::total_cmp);
-        (delays.len() as f64 >= EXPLAINED * instances.len() as f64).then_some(delays)
+        delays
     }
 }
 
@@ -452,7 +524,11 @@ fn densest(meetings: &[Meeting], steady: f64) -> Option<(u32, (f64, f64))> {
 }
 
 /// The most promising single triggers and joins.
-fn finalists(candidates: &[Candidate], voters: usize, steady: f64) -> Vec<[StateId; 2]> {
+fn finalists(
+    candidates: &[Candidate],
+    voters: usize,
+    (close, steady): (f64, f64),
+) -> Vec<[StateId; 2]> {
     let needed = (EXPLAINED * voters as f64).ceil() as u32;
     let spread = |c: &Candidate| c.window.1 - c.window.0;
     let best = |mut singles: Vec<&Candidate>| {
@@ -469,24 +545,61 @@ fn finalists(candidates: &[Candidate], voters: usize, steady: f64) -> Vec<[State
             .filter(|c| c.met >= needed && 3 * c.mask.count_ones() >= needed)
             .collect(),
     ));
-    let mut partners: Vec<&Candidate> = candidates.iter().collect();
-    partners.sort_by_key(|c| std::cmp::Reverse(c.mask.count_ones()));
-    partners.truncate(24);
-    let mut joins: Vec<(f64, [StateId; 2])> = Vec::new();
-    for (at, one) in partners.iter().enumerate() {
-        for other in &partners[at + 1..] {
-            let together = (one.mask | other.mask).count_ones();
-            let alone = one.mask.count_ones().max(other.mask.count_ones());
+    // Where scans alone do not explain the scatter of the delays, wider windows may.
+    let mut pairs = joins(candidates, needed, close, |c| c.close);
+    if pairs.is_empty() {
+        pairs = joins(candidates, needed, steady, |c| (c.mask, c.window));
+    }
+    finalists.extend(pairs.into_iter().take(FINALISTS));
+    finalists
+}
+
+/// A candidate's voters, and the least and greatest of their distances in seconds.
+type Window = (u32, (f64, f64));
+
+/// Pairs that together explain what neither does alone, those that explain most first.
+fn joins(
+    candidates: &[Candidate],
+    needed: u32,
+    width: f64,
+    window: impl Fn(&Candidate) -> Window,
+) -> Vec<[StateId; 2]> {
+    let mut partners: Vec<(StateId, Window)> =
+        candidates.iter().map(|c| (c.state, window(c))).collect();
+    partners.sort_by_key(|(_, (mask, _))| std::cmp::Reverse(mask.count_ones()));
+    let mut pairs: Vec<(u32, f64, [StateId; 2])> = Vec::new();
+    for (at, (one, (a, first))) in partners.iter().enumerate().take(LEADING) {
+        let alone = a.count_ones();
+        // The leading one of two explains at least half of what both do.
+        if 2 * alone < needed {
+            break;
+        }
+        for (other, (b, second)) in &partners[at + 1..] {
+            let together = (a | b).count_ones();
             // The program waits for both and then acts: whichever is the later, at one distance.
-            let (low, high) = (one.window.0.min(other.window.0), one.window.1.max(other.window.1));
-            if together >= needed && alone < needed && high - low <= steady {
-                joins.push((high - low, [one.state, other.state]));
+            let (low, high) = (first.0.min(second.0), first.1.max(second.1));
+            if together >= needed && together > alone && high - low <= width {
+                pairs.push((together, high - low, [*one, *other]));
             }
         }
     }
-    joins.sort_by(|a, b| a.0.total_cmp(&b.0));
-    finalists.extend(joins.into_iter().take(FINALISTS).map(|(_, states)| states));
-    finalists
+    pairs.sort_by(|a, b| b.0.cmp(&a.0).then(a.1.total_cmp(&b.1)));
+    pairs.into_iter().map(|(.., states)| states).collect()
+}
+
+/// Ends of the window of this width that holds most of the sorted times.
+fn most_within(sorted: &[f64], width: f64) -> Option<(f64, f64)> {
+    let mut best: Option<(usize, usize)> = None;
+    let mut start = 0;
+    for end in 0..sorted.len() {
+        while sorted[end] - sorted[start] > width {
+            start += 1;
+        }
+        if best.is_none_or(|(s, e)| end - start > e - s) {
+            best = Some((start, end));
+        }
+    }
+    best.map(|(start, end)| (sorted[start], sorted[end]))
 }
 
 /// Range of sorted times without a few outliers and without the two widest gaps: what up to three
