@@ -28,6 +28,7 @@ VARIANTS: dict[str, dict[str, Any]] = {
     "plat, 1 s": {"timing": "plat", "allowance_s": ALLOWANCE_S},
     "plat, Δ of Table 4": {"timing": "plat"},
     "adaptive": {"timing": "adaptive"},
+    "adaptive, 5 a day": {"timing": "adaptive", "false_alarms_per_day": 5.0},
 }
 FAULTS = 150
 LATE = {"main": 1500, "a": 500, "b": 500, "tiny": 30}
@@ -79,7 +80,8 @@ def _measure_plant(size: str, options: Options) -> dict[str, Any]:
     for seed in options.seeds:
         injected = inject_with(plant.watch, replace(plan, seed=seed), both, [plant.learn])
         waits = frozenset(label.id for label in injected.labels if plant.waiting(label))
-        by_log.append(_detected(variants, injected.log, injected.labels, waits))
+        people = frozenset(label.id for label in injected.labels if plant.of_people(label))
+        by_log.append(_detected(variants, injected.log, injected.labels, waits, people=people))
         late = insert_late(plant, LATE[size], OVER[size], seed)
         by_truth.append(_detected(variants, late.log, late.labels, late.waits, late.hidden))
     return {
@@ -135,6 +137,7 @@ def _detected(
     labels: list[InjectionLabel],
     waits: frozenset[str],
     hidden: frozenset[str] = frozenset(),
+    people: frozenset[str] = frozenset(),
 ) -> dict[str, Any]:
     found = {}
     for variant in variants:
@@ -142,8 +145,9 @@ def _detected(
         of_variant: dict[str, Any] = {}
         for severities in SEVERITIES:
             told = score(labels, findings, severities=severities)
-            of_variant[severities] = _counts(told, labels, waits, hidden)
-        of_variant["incident"] = _counts(_of_alarms(told, findings), labels, waits, hidden)
+            of_variant[severities] = _counts(told, labels, waits, hidden, people)
+        alarmed = _of_alarms(told, findings)
+        of_variant["incident"] = _counts(alarmed, labels, waits, hidden, people)
         found[variant.name] = of_variant
     return found
 
@@ -160,7 +164,11 @@ def _of_alarms(told: Score, findings: list[dict[str, Any]]) -> Score:
 
 
 def _counts(
-    told: Score, labels: list[InjectionLabel], waits: frozenset[str], hidden: frozenset[str]
+    told: Score,
+    labels: list[InjectionLabel],
+    waits: frozenset[str],
+    hidden: frozenset[str],
+    people: frozenset[str],
 ) -> dict[str, int]:
     missed = set(told.missed)
     counts: Counter[str] = Counter(false=told.false, consequences=told.consequences)
@@ -168,6 +176,7 @@ def _counts(
         if label.kind == "late":
             kind = "late_waits" if label.id in waits else "late_own"
             kind = "late_hidden" if label.id in hidden else kind
+            kind = "late_people" if label.id in people else kind
         else:
             kind = f"fault {label.kind}"
             counts["faults"] += 1
@@ -230,7 +239,9 @@ def _share(counts: dict[str, int], kind: str) -> float:
     return counts.get(f"{kind}_found", 0) / max(counts.get(kind, 0), 1)
 
 
-def _late_share(counts: dict[str, int], ways: tuple[str, ...] = ("own", "waits")) -> float:
+def _late_share(
+    counts: dict[str, int], ways: tuple[str, ...] = ("own", "waits", "people")
+) -> float:
     found = sum(counts.get(f"late_{way}_found", 0) for way in ways)
     return found / max(sum(counts.get(f"late_{way}", 0) for way in ways), 1)
 
@@ -255,7 +266,7 @@ def _found(results: dict[str, Any]) -> Table:
         runs = len(plant["seeds"])
         for name, found in plant["by_log"].items():
             alarm = found["alarm"]
-            late = sum(alarm.get(f"late_{way}", 0) for way in ("own", "waits"))
+            late = sum(alarm.get(f"late_{way}", 0) for way in ("own", "waits", "people"))
             kinds = sorted(kind.removeprefix("fault ") for kind in alarm if _is_kind(kind))
             missed = [
                 f"{kind} {alarm[f'fault {kind}'] - alarm[f'fault {kind}_found']}"
@@ -271,13 +282,16 @@ def _found(results: dict[str, Any]) -> Table:
                     *(f"{100 * _share(found[way], 'faults'):.2f} %" for way in WAYS),
                     f"{late:,}",
                     *(f"{100 * _late_share(found[way]):.2f} %" for way in WAYS),
+                    f"{100 * _late_share(alarm, ('own', 'waits')):.2f} %",
+                    f"{100 * _share(alarm, 'late_people'):.2f} % of {alarm.get('late_people', 0)}",
                     f"{alarm['false'] / runs:.1f}",
                 ]
             )
     return Table(
         "Inserted by `runglight.injection`: late over the maximum of the transition",
         ["plant", "timing", "faults without alarm", "faults", *WAYS.values(), "late",
-         *WAYS.values(), "other alarms a run"],
+         *WAYS.values(), "by an alarm, people's work apart", "people's work, by an alarm",
+         "other alarms a run"],
         rows,
         left=3,
     )  # fmt: skip

@@ -35,6 +35,10 @@ class Bodyshop:
         """True where the label's transition waits for another device."""
         return (label.from_state, label.to_state) in self.waits
 
+    def of_people(self, label: InjectionLabel) -> bool:
+        """True where people or material take the time they take."""
+        return self.after.get((label.from_state, label.to_state)) == "people"
+
 
 def bodyshop(
     size: str, seed: int, learn_events: int | None = None, watch_events: int | None = None

@@ -7,6 +7,7 @@
 
 use std::collections::BTreeMap;
 
+use crate::timing::TimeCluster;
 use crate::timing::limits::BODY_INSTANCES;
 use crate::timing::shape::Shapes;
 
@@ -113,6 +114,8 @@ pub struct Evidence {
     shares: [SharesBySisters; 2],
     /// By character.
     shapes: [Shapes; 3],
+    /// Of families, by character.
+    family_shapes: [BTreeMap<Family, Shapes>; 3],
     resolution_s: f64,
 }
 
@@ -155,7 +158,16 @@ impl Evidence {
         let shapes = CHARACTERS.map(|character| {
             Shapes::of(of(character).flat_map(|((rule, _), _)| rule.judged()), resolution_s)
         });
-        Self { leaving, times, shares, shapes, resolution_s }
+        let family_shapes = CHARACTERS.map(|character| {
+            let mut clusters: BTreeMap<Family, Vec<&TimeCluster>> = BTreeMap::new();
+            for ((rule, _), &family) in of(character) {
+                clusters.entry(family).or_default().extend(rule.judged());
+            }
+            let of_all = &shapes[character as usize];
+            let of_family = |clusters: Vec<&TimeCluster>| of_all.of_family(clusters.into_iter());
+            clusters.into_iter().map(|(family, all)| (family, of_family(all))).collect()
+        });
+        Self { leaving, times, shares, shapes, family_shapes, resolution_s }
     }
 
     /// Probability that a healthy machine leaves `state` in a way not seen yet.
@@ -219,9 +231,10 @@ impl Evidence {
         (odd, shares.unseen(rule, family, first))
     }
 
-    /// Shapes of the times of a rule's kind.
-    pub fn shapes(&self, rule: &Rule) -> &Shapes {
-        &self.shapes[Character::of(rule, self.resolution_s) as usize]
+    /// Shapes of the times of a rule's kind, as its sisters show them.
+    pub fn shapes(&self, rule: &Rule, names: Names<'_>) -> &Shapes {
+        let character = Character::of(rule, self.resolution_s) as usize;
+        self.family_shapes[character].get(&names.of_rule(rule)).unwrap_or(&self.shapes[character])
     }
 
     /// Shapes of times since the device's own event where another's enables it.

@@ -69,6 +69,19 @@ impl Shapes {
         shapes
     }
 
+    /// The mixture among clusters that are times of the same motion of like devices: the plant
+    /// weighs one of them.
+    pub fn of_family<'a>(&self, clusters: impl Iterator<Item = &'a TimeCluster>) -> Self {
+        let telling: Vec<&TimeCluster> =
+            clusters.filter(|cluster| is_telling(cluster, self.resolution_s)).collect();
+        let mut family = *self;
+        for _ in 0..if telling.is_empty() { 0 } else { ROUNDS } {
+            let sum: f64 = telling.iter().map(|cluster| family.probability(cluster)).sum();
+            family.exponential = (sum + self.exponential) / (telling.len() as f64 + 1.0);
+        }
+        family
+    }
+
     /// How far bounded times of a cluster of so many instances reach on a side, where the plant
     /// tells.
     pub fn extremes(&self, side: Side, instances: u64) -> Option<&Extremes> {
@@ -126,6 +139,20 @@ mod tests {
         let many = Shapes::of(plant.iter(), 0.01);
         assert!(few.exponential(&plant[0]) > 0.01);
         assert!(many.exponential(&plant[0]) < 1e-3);
+    }
+
+    #[test]
+    fn like_motions_vouch_for_one_another() {
+        let mut plant = vec![cluster(30, 0.35); 500];
+        plant.extend(vec![cluster(30, 0.5); 500]);
+        let shapes = Shapes::of(plant.iter(), 0.01);
+        let doubtful = cluster(30, 0.41);
+        let [bounded, exponential] = [&plant[..50], &plant[950..]]
+            .map(|family| shapes.of_family(family.iter()).exponential(&doubtful));
+        let alone = shapes.exponential(&doubtful);
+        assert!(bounded < 0.1 * alone && exponential > alone, "{bounded} {alone} {exponential}");
+        let nobody = shapes.of_family([].iter());
+        assert_eq!(nobody.exponential(&doubtful), alone);
     }
 
     #[test]
