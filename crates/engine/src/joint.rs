@@ -14,6 +14,7 @@ use crate::finding::Finding;
 use crate::log::{Nanoseconds, SECOND, SignalIndex};
 use crate::saved_state;
 use crate::signal_state::events::Row;
+use crate::signal_state::found::Found;
 use crate::signal_state::model::NominalModel;
 use crate::signal_state::monitor::{Monitor, MonitorError};
 use crate::signal_state::snapshot::Snapshot;
@@ -183,6 +184,15 @@ impl JointMonitor {
             findings.extend(signal_state.take_findings());
         }
         findings
+    }
+
+    /// The same, told when somebody asks.
+    pub fn take_found(&mut self) -> Found {
+        let mut found = Found::from(std::mem::take(&mut self.found));
+        if let Some(signal_state) = &mut self.signal_state {
+            found.append(signal_state.take_found());
+        }
+        found
     }
 
     /// Takes rows that say how signals stand, not that they changed.

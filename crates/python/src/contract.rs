@@ -11,9 +11,9 @@ use arrow_array::{
 use arrow_schema::{ArrowError, DataType, TimeUnit};
 use pyo3::prelude::*;
 
-use runglight_engine::finding::Finding;
 use runglight_engine::log::SignalIndex;
 use runglight_engine::signal_state::events::Row;
+use runglight_engine::signal_state::found::Found;
 use runglight_engine::signal_state::monitor::MonitorError;
 
 use crate::errors;
@@ -117,7 +117,7 @@ impl Dictionary {
 
 impl PyMonitor {
     /// Watches all batches of a stream.
-    pub fn watch_stream(&mut self, reader: impl RecordBatchReader) -> PyResult<Vec<Finding>> {
+    pub fn watch_stream(&mut self, reader: impl RecordBatchReader) -> PyResult<Found> {
         let batches: Vec<Result<RecordBatch, ArrowError>> = reader.collect();
         let columns: Option<Vec<Columns>> = batches
             .iter()
@@ -135,7 +135,7 @@ impl PyMonitor {
         }
     }
 
-    fn watch_columns(&mut self, batches: &[Columns]) -> Result<Vec<Finding>, MonitorError> {
+    fn watch_columns(&mut self, batches: &[Columns]) -> Result<Found, MonitorError> {
         let mut rows: Vec<Row> = Vec::with_capacity(CHUNK_ROWS);
         let mut keys: Vec<u32> = Vec::with_capacity(CHUNK_ROWS);
         for batch in batches {
@@ -159,7 +159,7 @@ impl PyMonitor {
                 self.monitor.take_rows(&rows)?;
             }
         }
-        Ok(self.monitor.take_findings())
+        Ok(self.monitor.take_found())
     }
 
     /// Looks the names up, unless they are known; false where one is missing or empty.

@@ -12,20 +12,33 @@ use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
 
 use runglight_engine::finding::Finding;
+use runglight_engine::signal_state::found::Found;
 
 use crate::errors;
 use crate::stream;
 
-/// Findings of one call.
+/// Findings of one call; put into words when somebody asks.
 #[pyclass(name = "Findings", module = "runglight._engine", frozen)]
 pub struct PyFindings {
-    pub findings: Vec<Finding>,
+    found: Found,
+}
+
+impl From<Found> for PyFindings {
+    fn from(found: Found) -> Self {
+        Self { found }
+    }
+}
+
+impl From<Vec<Finding>> for PyFindings {
+    fn from(findings: Vec<Finding>) -> Self {
+        Self { found: findings.into() }
+    }
 }
 
 #[pymethods]
 impl PyFindings {
     fn __len__(&self) -> usize {
-        self.findings.len()
+        self.found.len()
     }
 
     #[pyo3(signature = (requested_schema = None))]
@@ -34,11 +47,12 @@ impl PyFindings {
         py: Python<'py>,
         requested_schema: Option<Bound<'py, PyCapsule>>,
     ) -> PyResult<Bound<'py, PyCapsule>> {
-        stream::export(py, to_batch(&self.findings).map_err(errors::input)?, requested_schema)
+        let batch = py.detach(|| to_batch(&self.found.iter().collect::<Vec<_>>()));
+        stream::export(py, batch.map_err(errors::input)?, requested_schema)
     }
 
-    fn json_lines(&self) -> Vec<String> {
-        self.findings.iter().map(Finding::to_json).collect()
+    fn json_lines(&self, py: Python<'_>) -> Vec<String> {
+        py.detach(|| self.found.iter().map(|finding| finding.to_json()).collect())
     }
 }
 

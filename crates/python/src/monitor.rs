@@ -9,10 +9,10 @@ use pyo3::prelude::*;
 use pyo3_arrow::PyRecordBatchReader;
 
 use runglight_engine::cycle::model::CycleModel;
-use runglight_engine::finding::Finding;
 use runglight_engine::joint::JointMonitor;
 use runglight_engine::log::{ChangeLog, SignalIndex};
 use runglight_engine::signal_state::events::Row;
+use runglight_engine::signal_state::found::Found;
 use runglight_engine::signal_state::model::NominalModel;
 use runglight_engine::signal_state::monitor::MonitorError;
 
@@ -110,22 +110,20 @@ impl PyMonitor {
     }
 
     /// Rows up to each gap, the gap, the rows after it.
-    pub fn watch(&mut self, log: &ChangeLog) -> Result<Vec<Finding>, MonitorError> {
+    pub fn watch(&mut self, log: &ChangeLog) -> Result<Found, MonitorError> {
         let numbers = self.numbers(&log.signals);
-        let mut findings = Vec::new();
+        let mut found = Found::default();
         let mut start = 0;
         for gap in &log.gaps {
             let end = start + log.time[start..].partition_point(|&time| time < gap.end);
             self.take_range(log, start..end, &numbers)?;
-            findings.extend(self.monitor.gap(gap.start, gap.end));
+            found.append(self.monitor.take_found());
+            found.append(self.monitor.gap(gap.start, gap.end).into());
             start = end;
         }
         self.take_range(log, start..log.len(), &numbers)?;
-        if findings.is_empty() {
-            return Ok(self.monitor.take_findings());
-        }
-        findings.extend(self.monitor.take_findings());
-        Ok(findings)
+        found.append(self.monitor.take_found());
+        Ok(found)
     }
 
     /// Rows of a log in chunks that stay in the processor's cache.
@@ -169,7 +167,7 @@ impl PyMonitor {
         let rows = self.rows(&(time_ns, signal_index, value))?;
         // A batch of a live source is a few rows: not worth letting another thread in.
         let findings = self.monitor.observe(&rows).map_err(errors::input)?;
-        Ok(PyFindings { findings })
+        Ok(findings.into())
     }
 
     fn observe_image(
@@ -180,7 +178,7 @@ impl PyMonitor {
     ) -> PyResult<PyFindings> {
         let rows = self.rows(&(time_ns, signal_index, value))?;
         let findings = self.monitor.image(&rows).map_err(errors::input)?;
-        Ok(PyFindings { findings })
+        Ok(findings.into())
     }
 
     #[getter]
@@ -189,7 +187,7 @@ impl PyMonitor {
     }
 
     fn observe(&mut self, py: Python<'_>, batch: &Bound<'_, PyAny>) -> PyResult<PyFindings> {
-        let findings = match batch.cast::<PyChangeLog>() {
+        let found = match batch.cast::<PyChangeLog>() {
             Ok(log) => {
                 let log = log.get();
                 py.detach(|| self.watch(&log.log)).map_err(errors::input)?
@@ -199,19 +197,19 @@ impl PyMonitor {
                 py.detach(|| self.watch_stream(reader))?
             }
         };
-        Ok(PyFindings { findings })
+        Ok(found.into())
     }
 
     fn gap(&mut self, start_ns: i64, end_ns: i64) -> PyFindings {
-        PyFindings { findings: self.monitor.gap(start_ns, end_ns) }
+        self.monitor.gap(start_ns, end_ns).into()
     }
 
     fn advance(&mut self, py: Python<'_>, now_ns: i64) -> PyFindings {
-        PyFindings { findings: py.detach(|| self.monitor.advance(now_ns)) }
+        py.detach(|| self.monitor.advance(now_ns)).into()
     }
 
     fn finish(&mut self, py: Python<'_>) -> PyFindings {
-        PyFindings { findings: py.detach(|| self.monitor.finish()) }
+        py.detach(|| self.monitor.finish()).into()
     }
 
     fn state(&self, py: Python<'_>) -> Vec<u8> {

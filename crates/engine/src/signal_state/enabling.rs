@@ -30,6 +30,21 @@ impl Trigger {
     pub fn states(&self) -> impl Iterator<Item = StateId> + '_ {
         self.states.iter().copied().filter(|&state| state != NO_STATE)
     }
+
+    /// Since when the transition was due, its enabling states (of one, twice) having been entered
+    /// at two times: the later. `None` where the device was not waiting for it: one of them has not
+    /// been entered afresh since the device last did the same (`before`), or the device's own last
+    /// event (`own`) is the later.
+    #[inline]
+    pub fn due(
+        one: Nanoseconds,
+        other: Nanoseconds,
+        before: Nanoseconds,
+        own: Nanoseconds,
+    ) -> Option<Nanoseconds> {
+        let (older, later) = (one.min(other), one.max(other));
+        (older >= before && older != Nanoseconds::MIN && later >= own).then_some(later)
+    }
 }
 
 /// Fewer instances say nothing about what enables a transition.

@@ -72,6 +72,23 @@ impl Values {
         }
     }
 
+    /// True where the signal is known to have the opposite boolean value: an event, beyond doubt.
+    #[inline]
+    pub fn flips(&self, signal: SignalIndex, value: i64) -> bool {
+        let doubted = self.doubted.get(signal as usize).is_some_and(|&doubted| doubted);
+        let last = self.last.get(signal as usize).copied().unwrap_or(UNKNOWN);
+        // Neither an unknown value nor a word is the opposite of 0 or 1.
+        i64::from(last ^ 1) == value && value & !1 == 0 && !doubted
+    }
+
+    /// Takes a row in that [flips](Self::flips) its signal.
+    #[inline]
+    pub fn flip(&mut self, signal: SignalIndex) {
+        if let Some(last) = self.last.get_mut(signal as usize) {
+            *last ^= 1;
+        }
+    }
+
     /// A gap: every signal may have changed unseen.
     pub fn doubt(&mut self) {
         self.doubted.clear();

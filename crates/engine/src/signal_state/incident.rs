@@ -10,12 +10,13 @@ use crate::finding::Kind;
 use crate::log::Nanoseconds;
 
 use super::chains::{ChainIndex, ChainKind};
+use super::identity::FindingId;
 
 /// The open incident of a group.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Incident {
     /// Id of its first finding.
-    pub id: String,
+    pub id: FindingId,
     cause: ChainIndex,
     cause_is_device: bool,
     /// When the trouble began: for a late transition, when it was due at the earliest.
@@ -25,10 +26,10 @@ pub struct Incident {
 }
 
 /// What is needed to place a finding.
-#[derive(Debug, Clone, Copy)]
-pub struct Occurrence<'a> {
+#[derive(Debug, Clone)]
+pub struct Occurrence {
     /// The finding's own id.
-    pub id: &'a str,
+    pub id: FindingId,
     /// What it is.
     pub kind: Kind,
     /// The chain that found it.
@@ -48,7 +49,7 @@ pub struct Occurrence<'a> {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Placement {
     /// The incident's id.
-    pub incident: String,
+    pub incident: FindingId,
     /// True where the cause already explains it.
     pub consequence: bool,
 }
@@ -57,7 +58,7 @@ impl Incident {
     /// Places a finding in the open incident of its group, or opens a new one.
     pub fn place(
         open: &mut Option<Self>,
-        occurrence: Occurrence<'_>,
+        occurrence: Occurrence,
         fresh_for: Nanoseconds,
     ) -> Placement {
         let joined = open.as_mut().filter(|incident| {
@@ -73,16 +74,16 @@ impl Incident {
             return Placement { incident: incident.id.clone(), consequence };
         }
         *open = Some(Self {
-            id: occurrence.id.to_owned(),
+            id: occurrence.id.clone(),
             cause: occurrence.chain,
             cause_is_device: occurrence.chain_kind == ChainKind::Device,
             began: occurrence.waiting_since,
             last: occurrence.time,
         });
-        Placement { incident: occurrence.id.to_owned(), consequence: false }
+        Placement { incident: occurrence.id, consequence: false }
     }
 
-    fn explains(&self, occurrence: &Occurrence<'_>) -> bool {
+    fn explains(&self, occurrence: &Occurrence) -> bool {
         // A stopped line is never a side note.
         if occurrence.chain == self.cause || occurrence.kind == Kind::Stall {
             return false;

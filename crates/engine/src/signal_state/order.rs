@@ -24,6 +24,13 @@ impl ScanOrder {
         Self { rank }
     }
 
+    /// True where of two rows in time order the second comes first.
+    #[inline]
+    pub fn swaps(&self, first: &Row, second: &Row) -> bool {
+        let rank = |row: &Row| self.rank[row.signal as usize];
+        first.time == second.time && rank(second) < rank(first)
+    }
+
     /// Sorts rows of equal time; `rows` is in time order already.
     pub fn sort(&self, rows: &mut [Row]) {
         if rows.len() > 1 {

@@ -27,13 +27,13 @@ impl Monitor {
         self.watch.off_path[chain] = false;
         // The known steps are no part of the alarm path.
         let path = &open.path[..open.path.len() - usize::from(open.known) + 1];
-        let names: Vec<String> = path.iter().map(|&s| self.state_name(s)).collect();
+        let names: Vec<String> = path.iter().map(|&s| self.teller().state_name(s)).collect();
         let mut returned = open.finding;
         returned.state = State::Returned;
         returned.time = time;
         returned.path = names;
         returned.message = message::returned(&returned);
-        self.findings.push(returned.clone());
+        self.records.push(returned.clone().into());
         self.offer(returned, chain);
     }
 
@@ -51,12 +51,12 @@ impl Monitor {
         let mut offer = returned;
         offer.kind = Kind::AlarmPath;
         offer.severity = Severity::Notice;
-        offer.id = stable_id(offer.kind, &self.place_name(chain), &names, "", offer.time);
+        offer.id = stable_id(offer.kind, &self.teller().place_name(chain), &names, "", offer.time);
         offer.to = offer.path.last().cloned();
         offer.snapshot_id = None;
         offer.suspects.clear();
         offer.message = message::alarm_path(&offer);
-        self.findings.push(offer);
+        self.records.push(offer.into());
     }
 
     /// Another unknown transition while off the path: the path grows, no new finding.
@@ -78,8 +78,8 @@ impl Monitor {
         let mut finding = open.finding;
         finding.state = State::Confirmed;
         finding.time = due;
-        finding.path = open.path.iter().map(|&s| self.state_name(s)).collect();
+        finding.path = open.path.iter().map(|&s| self.teller().state_name(s)).collect();
         finding.message = message::not_returned(&finding, self.model.parameters.return_within_s);
-        self.findings.push(finding);
+        self.records.push(finding.into());
     }
 }

@@ -7,24 +7,11 @@ use crate::signal_state::lanes::NEVER;
 use crate::signal_state::rules::row_of;
 use crate::signal_state::states::{NO_STATE, StateId};
 
-use super::{Entry, FURTHER_STATES_AT_MOST, Monitor, NOWHERE, REORDER_AT_MOST};
+use super::step::Entry;
+use super::watch::NOWHERE;
+use super::{FURTHER_STATES_AT_MOST, Monitor, REORDER_AT_MOST};
 
 impl Monitor {
-    /// Touches the lanes the rows lead to. The memory behind a big plant's lanes is the cost of
-    /// watching it; loads that do not wait for one another share their latency.
-    #[inline]
-    pub(super) fn warm(&self, rows: &[Row]) {
-        let mut touched = 0;
-        for row in rows {
-            // Booleans; the few words come as they come.
-            touched ^= self.lanes.touch(2 * row.signal as usize + (row.value & 1) as usize);
-        }
-        for row in rows {
-            touched ^= self.lanes.touch_further(2 * row.signal as usize + (row.value & 1) as usize);
-        }
-        std::hint::black_box(touched);
-    }
-
     /// Takes the first of the rows, and those of its scan where that is complete; returns how many.
     #[inline]
     pub(super) fn take_next(&mut self, rows: &[Row]) -> usize {
@@ -233,9 +220,9 @@ impl Monitor {
         }
         for index in 0..events.len() {
             let next = events[index].state;
-            let signal = self.signal_value(next).0;
+            let signal = self.teller().signal_value(next).0;
             let waits = (0..index).any(|earlier| {
-                !order.contains(&earlier) && self.signal_value(events[earlier].state).0 == signal
+                !order.contains(&earlier) && self.teller().signal_value(events[earlier].state).0 == signal
             });
             let known = state == NO_STATE
                 || self.model.table.find(&self.model.rules, row_of(state, kind), next).is_some();

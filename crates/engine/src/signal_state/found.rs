@@ -1,0 +1,260 @@
+//! Findings as they are made: a few numbers each, told in words when somebody asks.
+//!
+//! Everything a record refers to belongs to the model, which does not change; what may change
+//! while watching (an incident, counted shares) is kept in the record.
+
+use std::sync::Arc;
+
+use hashbrown::HashMap;
+
+use crate::finding::{Expected, Finding, Kind, Severity};
+use crate::log::{Nanoseconds, SECOND};
+use crate::timing::limits::Accepted;
+
+use super::check::Departure;
+use super::identity::{FindingId, Identity};
+use super::message;
+use super::model::NominalModel;
+use super::parameters::Timing;
+use super::teller::Teller;
+
+/// A transition and how long it took.
+#[derive(Debug, Clone, Copy)]
+pub struct Timed {
+    /// Since when it was due.
+    pub since: Nanoseconds,
+    /// How long it took since then.
+    pub took: Nanoseconds,
+    /// Measured as the rule's times were learned.
+    pub as_learned: bool,
+}
+
+impl Timed {
+    /// From one time to another.
+    #[inline]
+    pub fn new(since: Nanoseconds, time: Nanoseconds, as_learned: bool) -> Self {
+        // In a scan whose order was mended, time may seem to run backwards.
+        Self { since, took: time.saturating_sub(since).max(0), as_learned }
+    }
+
+    /// The time it took.
+    pub fn seconds(self) -> f64 {
+        self.took as f64 / SECOND as f64
+    }
+}
+
+/// What a record tells of.
+#[derive(Debug, Clone)]
+pub enum What {
+    /// A time out of its limits.
+    Time {
+        /// The rule whose time it was.
+        rule: u32,
+        /// The time.
+        timed: Timed,
+    },
+    /// A share or an average that has changed.
+    Departure(Box<Departure>),
+    /// Told already.
+    Told(Box<Finding>),
+}
+
+/// One finding.
+#[derive(Debug, Clone)]
+pub struct Record {
+    /// What was found.
+    pub what: What,
+    /// Its kind.
+    pub kind: Kind,
+    /// How much it matters.
+    pub severity: Severity,
+    /// When.
+    pub time: Nanoseconds,
+    /// Its incident; none for what is told already, and for an incident of its own.
+    pub incident: Option<FindingId>,
+}
+
+impl From<Finding> for Record {
+    fn from(finding: Finding) -> Self {
+        Self {
+            kind: finding.kind,
+            severity: finding.severity,
+            time: finding.time,
+            incident: None,
+            what: What::Told(Box::new(finding)),
+        }
+    }
+}
+
+impl Record {
+    /// What a time or a departure is known by.
+    pub fn identity(&self, model: &NominalModel) -> Option<Identity> {
+        let rule = match &self.what {
+            What::Time { rule, .. } => *rule as usize,
+            What::Departure(departure) => departure.rule,
+            What::Told(_) => return None,
+        };
+        let rule = &model.rules[rule];
+        Some(Identity::new(self.kind, rule.chain, [rule.current, rule.next], self.time))
+    }
+
+    /// The finding, but for its incident.
+    fn tell(&self, model: &NominalModel) -> Finding {
+        let mut finding = match &self.what {
+            What::Time { rule, timed } => self.tell_time(model, *rule as usize, *timed),
+            What::Departure(departure) => self.tell_departure(model, departure),
+            What::Told(finding) => return Finding::clone(finding),
+        };
+        finding.severity = self.severity;
+        if let Some(identity) = self.identity(model) {
+            finding.id = identity.id(Teller::of(model));
+        }
+        finding
+    }
+
+    fn tell_time(&self, model: &NominalModel, rule: usize, timed: Timed) -> Finding {
+        let teller = Teller::of(model);
+        let seconds = timed.seconds();
+        let accepted = accepted(model, rule, timed);
+        let limit_s = broken_limit(model, rule, &accepted, seconds).1;
+        let known = &model.rules[rule];
+        let mut finding = teller.at(self.kind, known.chain, known.next, self.time);
+        finding.from = Some(teller.state_name(known.current));
+        finding.expected = vec![Expected {
+            state: finding.to.clone().unwrap_or_default(),
+            probability: known.probability,
+            limit_s: accepted.iter().map(|a| a.late_s).reduce(f64::max),
+        }];
+        finding.observed_s = Some(seconds);
+        finding.limit_s = Some(limit_s);
+        finding.suspects = message::time_suspects(model, rule);
+        finding.message = message::time(model, rule, timed.as_learned, &finding);
+        finding
+    }
+
+    fn tell_departure(&self, model: &NominalModel, departure: &Departure) -> Finding {
+        let teller = Teller::of(model);
+        let rule = &model.rules[departure.rule];
+        let mut finding = teller.at(self.kind, rule.chain, rule.next, self.time);
+        finding.from = Some(teller.state_name(rule.current));
+        finding.expected = teller.expected_from(rule.current, model.kind(rule.chain));
+        finding.observed_s = Some(departure.observed);
+        finding.limit_s = Some(departure.learned);
+        finding.message = message::departure(model, departure, &finding);
+        finding
+    }
+}
+
+/// Findings in the order they were made.
+#[derive(Debug, Clone, Default)]
+pub struct Found {
+    /// Whose numbers the records use; none where all are told already.
+    model: Option<Arc<NominalModel>>,
+    records: Vec<Record>,
+}
+
+impl From<Vec<Finding>> for Found {
+    fn from(findings: Vec<Finding>) -> Self {
+        Self { model: None, records: findings.into_iter().map(Record::from).collect() }
+    }
+}
+
+impl Found {
+    /// Records of a model's monitor.
+    pub fn new(model: Arc<NominalModel>, records: Vec<Record>) -> Self {
+        Self { model: Some(model), records }
+    }
+
+    /// How many there are.
+    pub fn len(&self) -> usize {
+        self.records.len()
+    }
+
+    /// True where there is none.
+    pub fn is_empty(&self) -> bool {
+        self.records.is_empty()
+    }
+
+    /// Adds those found later by the same monitor.
+    pub fn append(&mut self, later: Self) {
+        self.model = later.model.or(self.model.take());
+        if self.records.is_empty() {
+            self.records = later.records;
+        } else {
+            self.records.extend(later.records);
+        }
+    }
+
+    /// Tells them one by one.
+    pub fn iter(&self) -> impl Iterator<Item = Finding> + '_ {
+        let mut incidents: HashMap<Identity, Arc<str>> = HashMap::new();
+        self.records.iter().filter_map(move |record| {
+            let Some(model) = &self.model else {
+                let What::Told(finding) = &record.what else { return None };
+                return Some(Finding::clone(finding));
+            };
+            let mut finding = record.tell(model);
+            match &record.incident {
+                // Many findings share one incident.
+                Some(FindingId::Untold(identity)) => {
+                    let id = incidents
+                        .entry(*identity)
+                        .or_insert_with(|| identity.id(Teller::of(model)).into());
+                    finding.incident = id.to_string();
+                }
+                Some(FindingId::Told(id)) => finding.incident = id.to_string(),
+                None if finding.incident.is_empty() => finding.incident.clone_from(&finding.id),
+                None => {}
+            }
+            Some(finding)
+        })
+    }
+
+    /// Tells all.
+    pub fn into_findings(self) -> Vec<Finding> {
+        let told = |record: &Record| matches!(record.what, What::Told(_));
+        if self.records.iter().all(told) {
+            let whole = |record: Record| match record.what {
+                What::Told(finding) => Some(*finding),
+                _ => None,
+            };
+            return self.records.into_iter().filter_map(whole).collect();
+        }
+        self.iter().collect()
+    }
+}
+
+/// Accepted times of a rule: since its enabling event, or without one.
+pub fn accepted(model: &NominalModel, rule: usize, timed: Timed) -> Vec<Accepted> {
+    if timed.as_learned { model.accepted(rule) } else { model.accepted_without_trigger(rule) }
+}
+
+/// Which limit a time broke, and where that limit lies.
+pub fn broken_limit(
+    model: &NominalModel,
+    rule: usize,
+    accepted: &[Accepted],
+    seconds: f64,
+) -> (Kind, f64) {
+    if model.parameters.timing == Timing::Plat {
+        let cluster = nearest_maximum(model, rule, seconds);
+        return (Kind::Late, cluster.map_or(f64::INFINITY, |cluster| accepted[cluster].late_s));
+    }
+    let late = accepted.iter().map(|a| a.late_s).filter(|&limit| limit < seconds).reduce(f64::max);
+    let early =
+        accepted.iter().map(|a| a.early_s).filter(|&limit| limit > seconds).reduce(f64::min);
+    match (late, early) {
+        (Some(late), Some(early)) if early - seconds < seconds - late => (Kind::Early, early),
+        (Some(late), _) => (Kind::Late, late),
+        (None, early) => (Kind::Early, early.unwrap_or(0.0)),
+    }
+}
+
+/// The cluster whose maximum is most similar to a time (section 2.6).
+fn nearest_maximum(model: &NominalModel, rule: usize, seconds: f64) -> Option<usize> {
+    let clusters = &model.rules[rule].clusters;
+    (0..clusters.len()).min_by(|&a, &b| {
+        let distance = |c: usize| (clusters[c].maximum_s - seconds).abs();
+        distance(a).total_cmp(&distance(b))
+    })
+}

@@ -1,0 +1,118 @@
+//! What lanes have counted since the last check: asked for, reset, saved and set again.
+
+use std::sync::Arc;
+
+use crate::log::Nanoseconds;
+use crate::signal_state::states::StateId;
+
+use super::layout::Checked;
+use super::{INLINE, Lanes, NEVER};
+
+/// What was seen of one cluster of a rule since the last check.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Seen {
+    /// Sum of the times.
+    pub sum: Nanoseconds,
+    /// Number of the times.
+    pub count: u32,
+}
+
+/// What changes in [`Lanes`].
+#[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Counters {
+    /// Per rule.
+    lanes: Vec<u32>,
+    /// Per cluster of each rule.
+    bands: Vec<(u32, Nanoseconds)>,
+    /// When states were entered of which something must know.
+    entered: Vec<(StateId, Nanoseconds)>,
+}
+
+impl Lanes {
+    /// How often a rule was taken since the last check.
+    pub fn count(&self, rule: usize) -> u32 {
+        let at = self.layout.lane_of[rule];
+        let lane = &self.lanes[at as usize];
+        let [one, other] = lane.seen;
+        let further: u32 =
+            self.more[self.layout.others(at as usize)].iter().map(|band| band.seen.count).sum();
+        one + other + further + self.untimed.get(&at).copied().unwrap_or_default()
+    }
+
+    /// What was seen of the clusters of a rule since the last check.
+    pub fn seen(&self, rule: usize) -> impl Iterator<Item = Seen> + Clone + '_ {
+        let at = self.layout.lane_of[rule] as usize;
+        let lane = &self.lanes[at];
+        let bands = usize::from(self.layout.bands[at]).min(INLINE);
+        (0..bands)
+            .map(|band| Seen { sum: lane.sum[band], count: lane.seen[band] })
+            .chain(self.more[self.layout.others(at)].iter().map(|band| band.seen))
+    }
+
+    /// The rules of a group, causes first.
+    pub fn checked(&self, group: usize) -> &[Checked] {
+        self.layout.checked.get(group).map_or(&[], Vec::as_slice)
+    }
+
+    /// Starts the counters of a group's rules anew.
+    pub fn reset(&mut self, group: usize) {
+        let layout = Arc::clone(&self.layout);
+        for checked in layout.checked.get(group).into_iter().flatten() {
+            let at = layout.lane_of[checked.rule()];
+            let lane = &mut self.lanes[at as usize];
+            (lane.seen, lane.sum) = ([0; INLINE], [0; INLINE]);
+            for band in &mut self.more[layout.others(at as usize)] {
+                band.seen = Seen::default();
+            }
+            self.untimed.remove(&at);
+        }
+    }
+
+    /// All counters and times, to be saved.
+    pub fn counters(&self) -> Counters {
+        let rules = 0..self.layout.lane_of.len();
+        let entered = self.layout.tracked.iter().copied().zip(self.entered.iter().copied());
+        Counters {
+            lanes: rules.clone().map(|rule| self.count(rule)).collect(),
+            bands: rules.flat_map(|rule| self.seen(rule)).map(|s| (s.count, s.sum)).collect(),
+            entered: entered.filter(|&(_, entered)| entered != NEVER).collect(),
+        }
+    }
+
+    /// Sets all counters and times; false where they are not of these lanes.
+    pub fn set_counters(&mut self, counters: &Counters) -> bool {
+        let layout = Arc::clone(&self.layout);
+        if counters.lanes.len() != layout.lane_of.len() {
+            return false;
+        }
+        let mut saved = counters.bands.iter();
+        for (&at, &count) in layout.lane_of.iter().zip(&counters.lanes) {
+            let lane = &mut self.lanes[at as usize];
+            let bands = usize::from(layout.bands[at as usize]).min(INLINE);
+            let mut timed = 0u32;
+            for band in 0..bands {
+                let Some(&(count, sum)) = saved.next() else { return false };
+                (lane.seen[band], lane.sum[band]) = (count, sum);
+                timed = timed.saturating_add(count);
+            }
+            for band in &mut self.more[layout.others(at as usize)] {
+                let Some(&(count, sum)) = saved.next() else { return false };
+                band.seen = Seen { count, sum };
+                timed = timed.saturating_add(count);
+            }
+            let Some(untimed) = count.checked_sub(timed) else { return false };
+            if bands == 0 {
+                lane.seen[0] = untimed;
+            } else if untimed > 0 {
+                self.untimed.insert(at, untimed);
+            }
+        }
+        for &(state, entered) in &counters.entered {
+            match layout.tracked.binary_search(&state) {
+                Ok(slot) => self.entered[slot] = entered,
+                Err(_) => return false,
+            }
+        }
+        saved.next().is_none()
+    }
+}

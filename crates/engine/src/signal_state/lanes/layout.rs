@@ -1,0 +1,276 @@
+//! Laying the rules of a model out in lanes.
+
+use std::collections::BTreeMap;
+use std::ops::Range;
+use std::sync::Arc;
+
+use crate::log::{Nanoseconds, SECOND};
+use crate::signal_state::chains::ChainKind;
+use crate::signal_state::model::NominalModel;
+use crate::signal_state::parameters::Timing;
+use crate::signal_state::rules::{Rule, row_of};
+use crate::signal_state::states::{NO_STATE, StateId};
+use crate::timing::TimeCluster;
+use crate::timing::limits::Accepted;
+
+use super::counted::Seen;
+use super::{Band, INLINE, Lane, Lanes, NEVER, NONE, NOWHERE, Side, Traits, UNUSED};
+
+/// What does not change while watching.
+#[derive(Debug)]
+pub(super) struct Layout {
+    /// By rule.
+    pub(super) lane_of: Vec<u32>,
+    /// By lane.
+    pub(super) rule_of: Vec<u32>,
+    /// By lane: its place among the sides.
+    side_of: Vec<u32>,
+    sides: Vec<Side>,
+    /// By lane: number of its bands.
+    pub(super) bands: Vec<u16>,
+    /// By slot: the state whose entry is kept there, ascending.
+    pub(super) tracked: Vec<StateId>,
+    /// Per group: its rules in the order of the complete transition sequence.
+    pub(super) checked: Vec<Vec<Checked>>,
+}
+
+/// One rule as the periodic checks come to it: twice its number, and one more where it is the
+/// first of several out of its state.
+#[derive(Debug, Clone, Copy)]
+pub struct Checked(u32);
+
+impl Checked {
+    /// The rule.
+    pub fn rule(self) -> usize {
+        self.0 as usize / 2
+    }
+
+    /// True where it is the first of several out of its state.
+    pub fn branches(self) -> bool {
+        self.0 % 2 == 1
+    }
+}
+
+const PLAIN: Side = Side { further: NONE, group: NONE, slot: NONE, due: [NONE; 2], more: 0, bands: 0 };
+
+impl Layout {
+    #[inline]
+    pub(super) fn side(&self, lane: usize) -> Option<&Side> {
+        self.sides.get(self.side_of[lane] as usize)
+    }
+
+    /// Where the bands of a lane lie that are not in it.
+    pub(super) fn others(&self, lane: usize) -> Range<usize> {
+        self.side(lane).map_or(0..0, |side| side.more as usize..(side.more + side.bands) as usize)
+    }
+
+    /// The side of a lane, made where it has none.
+    fn side_mut(&mut self, lane: usize) -> &mut Side {
+        if self.side_of.len() <= lane {
+            self.side_of.resize(lane + 1, NONE);
+        }
+        let side = &mut self.side_of[lane];
+        if *side == NONE {
+            *side = self.sides.len() as u32;
+            self.sides.push(PLAIN);
+        }
+        &mut self.sides[*side as usize]
+    }
+
+    /// The slot of a state that is tracked.
+    fn slot(&self, state: StateId) -> u32 {
+        self.tracked.binary_search(&state).map_or(NONE, |slot| slot as u32)
+    }
+}
+
+impl Lanes {
+    /// Fresh lanes: nothing counted.
+    pub fn of(model: &NominalModel) -> Self {
+        let states = model.states.len();
+        let mut layout = Layout {
+            lane_of: vec![NONE; model.rules.len()],
+            rule_of: Vec::new(),
+            side_of: vec![NONE; states],
+            sides: Vec::new(),
+            bands: Vec::new(),
+            tracked: tracked(model),
+            checked: checked(model),
+        };
+        let mut lanes = first_lanes(model);
+        lanes.reserve_exact(further_lanes(model));
+        for slot in 0..layout.tracked.len() {
+            let state = layout.tracked[slot] as usize;
+            layout.side_mut(state).slot = slot as u32;
+            lanes[state].device |= Traits::TRACKED;
+        }
+        let mut more = Vec::new();
+        let mut bands = Vec::new();
+        let mut last: Option<(StateId, ChainKind, usize)> = None;
+        for index in most_frequent_first(model) {
+            let rule = &model.rules[index as usize];
+            let kind = model.kind(rule.chain);
+            let first = rule.next as usize;
+            let at = if kind == ChainKind::Device && lanes[first].current == NOWHERE {
+                first
+            } else {
+                let new = lanes.len();
+                match last {
+                    Some((state, of, before)) if state == rule.next && of == kind => {
+                        layout.side_mut(before).further = new as u32;
+                    }
+                    _ => layout.side_mut(first).group = new as u32,
+                }
+                lanes.push(UNUSED);
+                new
+            };
+            last = Some((rule.next, kind, at));
+            layout.lane_of[index as usize] = at as u32;
+            bands.clear();
+            cut_bands(model, rule, &model.accepted(index as usize), &mut bands);
+            let lane = &mut lanes[at];
+            lane.current = rule.current;
+            for (place, band) in bands.iter().take(INLINE).enumerate() {
+                (lane.early[place], lane.late[place]) = (band.early, band.late);
+            }
+            if let Some(others) = bands.get(INLINE..).filter(|others| !others.is_empty()) {
+                lane.device |= Traits::MORE;
+                let side = layout.side_mut(at);
+                (side.more, side.bands) = (more.len() as u32, others.len() as u32);
+                more.extend_from_slice(others);
+            }
+            if let Some(trigger) = &rule.trigger {
+                lane.device |= Traits::WAITS;
+                let due = trigger.states.map(|state| layout.slot(state));
+                layout.side_mut(at).due = due;
+            }
+        }
+        layout.finish(lanes.len(), model);
+        more.shrink_to_fit();
+        Self {
+            lanes,
+            states,
+            more,
+            entered: vec![NEVER; layout.tracked.len()],
+            untimed: BTreeMap::new(),
+            layout: Arc::new(layout),
+        }
+    }
+}
+
+impl Layout {
+    fn finish(&mut self, lanes: usize, model: &NominalModel) {
+        self.side_of.resize(lanes, NONE);
+        self.side_of.shrink_to_fit();
+        self.sides.shrink_to_fit();
+        self.rule_of = vec![NONE; lanes];
+        self.bands = vec![0; lanes];
+        for (rule, &lane) in self.lane_of.iter().enumerate() {
+            self.rule_of[lane as usize] = rule as u32;
+            self.bands[lane as usize] = model.rules[rule].judged().len() as u16;
+        }
+    }
+}
+
+/// One lane per state, before any rule has it.
+fn first_lanes(model: &NominalModel) -> Vec<Lane> {
+    let lane = |state| {
+        let signal = model.states.signal_value(state).0;
+        let device = (model.chains.device_chain(signal) as u32) << Traits::BITS;
+        let starting = model.chains.group_chain(signal).is_some();
+        Lane { device: device | if starting { Traits::STARTING } else { 0 }, ..UNUSED }
+    };
+    (0..model.states.len() as StateId).map(lane).collect()
+}
+
+/// How many rules will find the first lane of their state taken.
+fn further_lanes(model: &NominalModel) -> usize {
+    let mut entered = vec![false; model.states.len()];
+    let device = |rule: &&Rule| model.kind(rule.chain) == ChainKind::Device;
+    for rule in model.rules.iter().filter(device) {
+        entered[rule.next as usize] = true;
+    }
+    model.rules.len() - entered.iter().filter(|&&entered| entered).count()
+}
+
+/// Rules by the state they lead to, the device's before the group's; the most frequent gets the
+/// state's own line.
+fn most_frequent_first(model: &NominalModel) -> Vec<u32> {
+    let mut order: Vec<u32> = (0..model.rules.len() as u32).collect();
+    order.sort_by_key(|&rule| {
+        let rule = &model.rules[rule as usize];
+        (rule.next, model.kind(rule.chain) == ChainKind::Group, std::cmp::Reverse(rule.count))
+    });
+    order
+}
+
+/// The states whose entries something must know, ascending.
+fn tracked(model: &NominalModel) -> Vec<StateId> {
+    let of = |rule: &Rule| {
+        let states = rule.trigger.as_ref().map(|trigger| trigger.states);
+        states.map(|[one, other]| [one, other, rule.next])
+    };
+    let mut tracked: Vec<StateId> =
+        model.rules.iter().filter_map(of).flatten().filter(|&state| state != NO_STATE).collect();
+    tracked.sort_unstable();
+    tracked.dedup();
+    tracked.shrink_to_fit();
+    tracked
+}
+
+/// The rules of each group in the order of the complete transition sequence.
+fn checked(model: &NominalModel) -> Vec<Vec<Checked>> {
+    let mut groups: Vec<Vec<Checked>> = vec![Vec::new(); model.plant.groups.len()];
+    for (index, rule) in model.rules.iter().enumerate() {
+        let row = model.table.row(row_of(rule.current, model.kind(rule.chain)));
+        let first = row.clone().min_by_key(|&other| model.rules[other].sequence);
+        groups[model.chains.group_of(rule.chain)]
+            .push(Checked(2 * index as u32 + u32::from(row.len() > 1 && first == Some(index))));
+    }
+    for group in &mut groups {
+        group.sort_by_key(|checked| model.rules[checked.rule()].sequence);
+        group.shrink_to_fit();
+    }
+    groups
+}
+
+/// The accepted times of a rule's clusters as bands that do not overlap.
+fn cut_bands(model: &NominalModel, rule: &Rule, accepted: &[Accepted], into: &mut Vec<Band>) {
+    let clusters = rule.judged();
+    for i in 0..clusters.len() {
+        let (early, late) = match accepted.get(i) {
+            Some(accepted) => (nanoseconds(accepted.early_s), nanoseconds(accepted.late_s)),
+            None => (0, Nanoseconds::MAX),
+        };
+        into.push(Band { early, late, seen: Seen::default() });
+    }
+    let cut = into.as_mut_slice();
+    for i in 1..cut.len() {
+        let middle = |centre: fn(&TimeCluster) -> f64| {
+            nanoseconds(0.5 * (centre(&clusters[i - 1]) + centre(&clusters[i])))
+        };
+        let boundary = match model.parameters.timing {
+            // "The maximum transition time instance that is most similar to the query transition
+            // time" decides (section 2.6), even where it then calls the time late.
+            Timing::Plat => middle(|cluster| cluster.maximum_s),
+            // Where two overlap, the nearer average has it; nothing accepted is lost.
+            Timing::Adaptive if cut[i].early <= cut[i - 1].late => {
+                middle(|cluster| cluster.average_s).clamp(cut[i].early, cut[i - 1].late)
+            }
+            Timing::Adaptive => continue,
+        };
+        cut[i - 1].late = cut[i - 1].late.min(boundary);
+        cut[i].early = boundary.saturating_add(1);
+    }
+    // Nothing is earlier than at once.
+    if let Some(first) = cut.first_mut()
+        && first.early <= 0
+    {
+        first.early = Nanoseconds::MIN;
+    }
+}
+
+fn nanoseconds(seconds: f64) -> Nanoseconds {
+    // A saturating cast: an endless limit is the largest time.
+    (seconds * SECOND as f64).round() as Nanoseconds
+}
+
