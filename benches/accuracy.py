@@ -83,7 +83,7 @@ def _measure_plant(size: str, options: Options) -> dict[str, Any]:
         people = frozenset(label.id for label in injected.labels if plant.of_people(label))
         by_log.append(_detected(variants, injected.log, injected.labels, waits, people=people))
         late = insert_late(plant, LATE[size], OVER[size], seed)
-        by_truth.append(_detected(variants, late.log, late.labels, late.waits, late.hidden))
+        by_truth.append(_detected(variants, late.log, late.labels, late.waits, hidden=late.hidden))
     return {
         "plant_seeds": list(_plant_seeds(options)),
         "seeds": list(options.seeds),
@@ -136,6 +136,7 @@ def _detected(
     log: rl.Log,
     labels: list[InjectionLabel],
     waits: frozenset[str],
+    *,
     hidden: frozenset[str] = frozenset(),
     people: frozenset[str] = frozenset(),
 ) -> dict[str, Any]:

@@ -47,8 +47,8 @@ that of the *actual* time, which only the simulation knows, as it knows what a d
 time made so late that it equals another actual time of its transition is *hidden*: no clock can
 tell it. `plat, 1 s` is the paper's own rule for this experiment: 1 s over the maximum. Alarms are
 faults and anomalies that name the device; *in an incident with one* also counts notices that name
-it and follow an alarm elsewhere; *by anything* counts all notices. *People's work* is what people or
-material take, between one and five times the least: a second or two over the longest of ninety such
+it and follow an alarm elsewhere; *by anything* counts all notices. *People's work* is what people
+or material take, up to several times the least: a second or two over the longest of ninety such
 times is nothing that a clock can tell from work. False findings are counted where nothing was
 inserted, over three plants of each size. `adaptive` has the default budget of one false alarm a
 day; *5 a day* shows what five buy.""",
