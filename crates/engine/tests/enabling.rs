@@ -37,11 +37,35 @@ fn press_line(
     late: impl Fn(i64) -> i64,
     alone: impl Fn(i64) -> bool,
 ) -> ChangeLog {
+    let feeders = Feeders { pause: 0, within: 20_000, right_after: 0 };
+    press_line_fed(cycles, group_of_feeders, seed, &feeders, late, alone)
+}
+
+/// When the feeders come, in milliseconds.
+struct Feeders {
+    /// After this pause,
+    pause: i64,
+    /// within so long,
+    within: i64,
+    /// and the right one so much later.
+    right_after: i64,
+}
+
+fn press_line_fed(
+    cycles: i64,
+    group_of_feeders: &str,
+    seed: u64,
+    feeders: &Feeders,
+    late: impl Fn(i64) -> i64,
+    alone: impl Fn(i64) -> bool,
+) -> ChangeLog {
     let mut dice = Dice(seed);
     let mut rows: Vec<(i64, String, i64)> = Vec::new();
     let mut start = 1000;
     for cycle in 0..cycles {
-        let (left, right) = (start + dice.roll(20_000), start + dice.roll(20_000));
+        start += feeders.pause;
+        let left = start + dice.roll(feeders.within);
+        let right = start + feeders.right_after + dice.roll(feeders.within);
         let press = left.max(right) + 30 + dice.roll(20) + late(cycle);
         let name = |device: &str| format!("{group_of_feeders}-{device}-PART");
         if !alone(cycle) {
@@ -137,6 +161,22 @@ fn a_delay_hidden_in_random_waits_is_found_and_nothing_else() {
 fn outliers_while_learning_do_not_hide_the_trigger() {
     let learned = press_line(200, "Line", 3, |cycle| if cycle == 77 { 9000 } else { 0 }, NEVER);
     assert_eq!(triggers_of(&model_of(&learned), "Line-Press-CLOSE_ON").len(), 2);
+}
+
+#[test]
+fn a_partner_that_is_seldom_the_later_is_found_by_what_the_other_leaves() {
+    let feeders = Feeders { pause: 0, within: 20_000, right_after: 15_000 };
+    let log = press_line_fed(300, "Line", 7, &feeders, |_| 0, NEVER);
+    let mut triggers = triggers_of(&model_of(&log), "Line-Press-CLOSE_ON");
+    triggers.sort();
+    assert_eq!(triggers, ["Line-Left-PART_ON", "Line-Right-PART_ON"]);
+}
+
+#[test]
+fn a_wait_of_minutes_that_varies_by_a_second_has_its_trigger_too() {
+    let feeders = Feeders { pause: 300_000, within: 1500, right_after: 0 };
+    let log = press_line_fed(120, "Line", 7, &feeders, |_| 0, NEVER);
+    assert_eq!(triggers_of(&model_of(&log), "Line-Press-CLOSE_ON").len(), 2);
 }
 
 #[test]

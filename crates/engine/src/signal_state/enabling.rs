@@ -284,8 +284,9 @@ impl<'a> Search<'a> {
                 };
                 rank(a).total_cmp(&rank(b))
             })?;
-        let (_, delays, states) =
-            self.with_partner(instances, own_s, (current, next), &best).unwrap_or(best);
+        let (_, delays, states) = best;
+        let joined = self.with_partner(instances, own_s, (current, next), states);
+        let (delays, states) = joined.unwrap_or((delays, states));
         Some(Trigger { states, clusters: optimal::cluster(&delays, self.resolution_s).into() })
     }
 
@@ -301,19 +302,18 @@ impl<'a> Search<'a> {
         instances: &[u32],
         own_s: &[f64],
         (current, next): (StateId, StateId),
-        (spread, _, [one, other]): &(f64, Vec<f64>, [StateId; 2]),
-    ) -> Option<(f64, Vec<f64>, [StateId; 2])> {
-        let close = self.close_s();
-        if *other != NO_STATE || *spread <= close {
+        [one, other]: [StateId; 2],
+    ) -> Option<(Vec<f64>, [StateId; 2])> {
+        if other != NO_STATE {
             return None;
         }
-        let delays = self.delay_of_each(instances, own_s, [*one, NO_STATE], next);
+        let close = self.close_s();
+        let delays = self.delay_of_each(instances, own_s, [one, NO_STATE], next);
         let mut sorted: Vec<f64> = delays.iter().copied().filter(|d| d.is_finite()).collect();
         sorted.sort_unstable_by(f64::total_cmp);
         let (low, high) = most_within(&sorted, close)?;
-        let explained = |delay: f64| (low..=high).contains(&delay);
-        let left = delays.iter().enumerate().filter(|(_, delay)| !explained(**delay));
-        let left: Vec<usize> = left.map(|(at, _)| at).collect();
+        let explained = |delay: &f64| (low..=high).contains(delay);
+        let left: Vec<usize> = (0..delays.len()).filter(|&at| !explained(&delays[at])).collect();
         if left.len() < LEFT_AT_LEAST || left.len() * 3 > instances.len() * 2 {
             return None;
         }
@@ -323,21 +323,22 @@ impl<'a> Search<'a> {
         let mut candidates = self.vote(&theirs, &own, (current, next), close, voters);
         candidates.retain(|c| {
             let (mask, (least, most)) = c.close;
-            c.state != *one
+            c.state != one
                 && f64::from(mask.count_ones()) >= LEFT_EXPLAINED * voters as f64
                 && most.max(high) - least.min(low) <= 1.5 * close
         });
         candidates.sort_by_key(|c| std::cmp::Reverse(c.close.0.count_ones()));
-        candidates
-            .iter()
-            .take(FINALISTS)
-            .filter_map(|c| {
-                let states = [*one, c.state];
-                let delays = self.delays(instances, own_s, states, next)?;
-                let joined = residual_spread(&delays);
-                (joined <= GAIN * spread).then_some((joined, delays, states))
-            })
-            .min_by(|a, b| a.0.total_cmp(&b.0))
+        let joined = candidates.iter().take(FINALISTS).filter_map(|c| {
+            let states = [one, c.state];
+            let delays = self.delays(instances, own_s, states, next)?;
+            let (low, high) = most_within(&delays, close)?;
+            let within = delays.iter().filter(|d| (low..=high).contains(*d)).count();
+            let still_left = instances.len() - within;
+            let fewer = still_left as f64 <= GAIN * left.len() as f64;
+            fewer.then_some((still_left, delays, states))
+        });
+        let best = joined.min_by_key(|(still_left, ..)| *still_left);
+        best.map(|(_, delays, states)| (delays, states))
     }
 
     /// Lets a sample of the instances look back; the own last event always stands for election.
