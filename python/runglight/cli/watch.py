@@ -19,7 +19,7 @@ from runglight.cli.output import output as output_to
 from runglight.cli.reader_options import ReaderOptions, read
 from runglight.errors import InputError
 from runglight.findings import flat
-from runglight.findings.finding import Finding, decode_finding
+from runglight.findings.finding import Finding, Headline, decode_finding, decode_headline
 from runglight.findings.store import FindingStore
 from runglight.live.signal_names import names_in_model
 from runglight.model import ROWS_AT_ONCE, load_model
@@ -120,6 +120,7 @@ class _Telling:
     def __init__(self, settings: Watch) -> None:
         self._settings = settings
         self._findings: list[Finding] = []
+        self._headlines: list[Headline] = []
         self._alarming = {None: (), "fault": ("fault",), "anomaly": ("fault", "anomaly")}[
             settings.fail_on
         ]
@@ -131,16 +132,18 @@ class _Telling:
 
     def tell(self, lines: Iterable[str], stream: TextIO) -> None:
         for line in lines:
-            finding = decode_finding(line)
-            self.met = self.met or finding.severity in self._alarming
-            self._findings.append(finding)
+            headline = decode_headline(line)
+            self.met = self.met or headline.severity in self._alarming
+            self._headlines.append(headline)
             if self._settings.format == "jsonl":
                 stream.write(line + "\n")
             elif self._settings.format == "csv":
                 stream.write(flat.row(line))
+            else:
+                self._findings.append(decode_finding(line))
 
     def end(self, stream: TextIO, events: int, seconds: float) -> None:
-        line = summary_line(self._findings, events, seconds)
+        line = summary_line(self._headlines, events, seconds)
         if self._settings.format != "table":
             terminal.note(line)
             return

@@ -6,9 +6,10 @@ This is the truth of live watching: what is published or copied elsewhere is rea
 
 from __future__ import annotations
 
-import json
 import sqlite3
 from typing import TYPE_CHECKING, NamedTuple
+
+import msgspec
 
 from runglight.nearest import nearest
 
@@ -19,15 +20,14 @@ if TYPE_CHECKING:
 
 FILE_NAME = "findings.sqlite"
 
-# `sequence` orders the lines of one id: a change of state is a further line. A line that is
-# there already (the same log watched again) is not written twice.
+# `sequence` orders the lines of one id: a change of state is a further line.
 _TABLES = """
 CREATE TABLE IF NOT EXISTS finding (
     sequence INTEGER PRIMARY KEY AUTOINCREMENT,
     id TEXT NOT NULL,
-    json TEXT NOT NULL,
-    UNIQUE (id, json) ON CONFLICT IGNORE
+    json TEXT NOT NULL
 );
+CREATE INDEX IF NOT EXISTS finding_id ON finding (id);
 CREATE TABLE IF NOT EXISTS snapshot (
     id TEXT PRIMARY KEY ON CONFLICT REPLACE,
     json TEXT NOT NULL
@@ -37,6 +37,20 @@ CREATE TABLE IF NOT EXISTS delivery (
     sequence INTEGER NOT NULL
 );
 """
+
+# A line that is there already (the same log watched again) is not written twice. A unique index
+# over the JSON would hold every line again, and cost most of the writing.
+_APPEND = """
+INSERT INTO finding (id, json) SELECT ?1, ?2
+WHERE NOT EXISTS (SELECT 1 FROM finding WHERE id = ?1 AND json = ?2)
+"""
+
+
+class _Identified(msgspec.Struct):
+    id: str
+
+
+_identified = msgspec.json.Decoder(_Identified)
 
 
 class Kept(NamedTuple):
@@ -98,12 +112,11 @@ class FindingStore:
         """Writes findings and snapshots in one transaction."""
         with self._connection:
             self._connection.executemany(
-                "INSERT INTO finding (id, json) VALUES (?, ?)",
-                ((json.loads(line)["id"], line) for line in json_lines),
+                _APPEND, ((_identified.decode(line).id, line) for line in json_lines)
             )
             self._connection.executemany(
                 "INSERT INTO snapshot (id, json) VALUES (?, ?)",
-                ((json.loads(text)["id"], text) for text in snapshots),
+                ((_identified.decode(text).id, text) for text in snapshots),
             )
 
     def newest(self, finding_id: str) -> str | None:

@@ -73,7 +73,7 @@ impl Values {
     }
 
     /// True where the signal is known to have the opposite boolean value: an event, beyond doubt.
-    #[inline]
+    #[inline(always)]
     pub fn flips(&self, signal: SignalIndex, value: i64) -> bool {
         let doubted = self.doubted.get(signal as usize).is_some_and(|&doubted| doubted);
         let last = self.last.get(signal as usize).copied().unwrap_or(UNKNOWN);
@@ -82,7 +82,7 @@ impl Values {
     }
 
     /// Takes a row in that [flips](Self::flips) its signal.
-    #[inline]
+    #[inline(always)]
     pub fn flip(&mut self, signal: SignalIndex) {
         if let Some(last) = self.last.get_mut(signal as usize) {
             *last ^= 1;

@@ -25,12 +25,7 @@ pub struct Identity {
 
 impl Identity {
     /// A finding at a chain, from one state ([`NO_STATE`]: none) to another.
-    pub fn new(
-        kind: Kind,
-        chain: ChainIndex,
-        [from, to]: [StateId; 2],
-        time: Nanoseconds,
-    ) -> Self {
+    pub fn new(kind: Kind, chain: ChainIndex, [from, to]: [StateId; 2], time: Nanoseconds) -> Self {
         Self { kind, chain: chain as u32, from, to, time }
     }
 

@@ -4,10 +4,11 @@
 //! The state a row leads to says where its [`Lane`] lies, whatever its device did before. So the
 //! lanes of coming rows can be fetched ahead of their turn, and an event that takes the most
 //! frequent transition into its state touches one line. What only some rules need lies beside
-//! ([`Side`]); everything else a rule knows stays in the model until something departs from it.
+//! ([`sides`]); everything else a rule knows stays in the model until something departs from it.
 
 mod counted;
 mod layout;
+mod sides;
 
 pub use counted::{Counters, Seen};
 pub use layout::Checked;
@@ -78,26 +79,10 @@ const UNUSED: Lane = Lane {
 };
 
 impl Lane {
-    #[inline]
+    #[inline(always)]
     fn has(&self, what: u32) -> bool {
         self.device & what != 0
     }
-}
-
-/// What only some lanes need.
-#[derive(Debug, Clone, Copy)]
-struct Side {
-    /// The next lane of the same chain into the same state.
-    further: u32,
-    /// From the first lane of a state: the first lane of the group's chain.
-    group: u32,
-    /// Where it is kept when the state was entered.
-    slot: u32,
-    /// Where that of the enabling states is kept.
-    due: [u32; 2],
-    /// Place of its further bands, and how many those are.
-    more: u32,
-    bands: u32,
 }
 
 /// A band that is not in a lane.
@@ -143,9 +128,20 @@ pub struct Usual {
 
 impl Lanes {
     /// Fetches the lane of a state, so that it is at hand when its turn comes.
-    #[inline]
+    #[inline(always)]
     pub fn fetch(&self, state: usize) {
         prefetch_index(&self.lanes, state);
+        self.layout.fetch_side(state);
+    }
+
+    /// Fetches what a state's lane leads on to; the lane is at hand.
+    #[inline(always)]
+    pub fn fetch_further(&self, state: usize) {
+        if self.lanes.get(state).is_some_and(|lane| lane.has(Traits::STARTING))
+            && let Some(side) = self.layout.side(state)
+        {
+            prefetch_index(&self.lanes, side.group as usize);
+        }
     }
 
     /// Keeps that a state was entered. `None` for a state nobody learned: nothing waits for it.
@@ -157,7 +153,7 @@ impl Lanes {
     }
 
     /// Where a state stands; `None` for a state nobody learned.
-    #[inline]
+    #[inline(always)]
     pub fn place(&self, state: StateId) -> Option<Entered> {
         let lane = self.lanes[..self.states].get(state as usize)?;
         Some(Entered {
@@ -169,7 +165,7 @@ impl Lanes {
 
     /// Keeps when a learned state was entered, where something must know; returns when it was
     /// before.
-    #[inline]
+    #[inline(always)]
     pub fn keep_entry(&mut self, state: StateId, time: Nanoseconds) -> Nanoseconds {
         if !self.lanes[state as usize].has(Traits::TRACKED) {
             return NEVER;
@@ -180,7 +176,7 @@ impl Lanes {
     }
 
     /// When a learned state was entered before, where something must know.
-    #[inline]
+    #[inline(always)]
     pub fn last_entry(&self, state: StateId) -> Nanoseconds {
         if !self.lanes[state as usize].has(Traits::TRACKED) {
             return NEVER;
@@ -195,7 +191,7 @@ impl Lanes {
     }
 
     /// The lane of a chain's rule between two states.
-    #[inline]
+    #[inline(always)]
     pub fn find(&self, kind: ChainKind, current: StateId, next: StateId) -> Option<usize> {
         if next as usize >= self.states {
             return None;
@@ -203,29 +199,32 @@ impl Lanes {
         if kind == ChainKind::Device && self.lanes[next as usize].current == current {
             return Some(next as usize);
         }
-        self.find_further(kind, current, next)
+        let found = self.find_further(kind, current, next as usize);
+        (found != NONE).then_some(found as usize)
     }
 
-    /// The lane where it is not the first of its state.
-    fn find_further(&self, kind: ChainKind, current: StateId, next: StateId) -> Option<usize> {
-        let side = self.layout.side(next as usize)?;
+    /// The lane where it is not the first of its state, or [`NONE`].
+    #[inline(never)]
+    fn find_further(&self, kind: ChainKind, current: StateId, first: usize) -> u32 {
+        let Some(side) = self.layout.side(first) else { return NONE };
         let mut at = if kind == ChainKind::Device { side.further } else { side.group };
-        loop {
-            if self.lanes.get(at as usize)?.current == current {
-                return Some(at as usize);
+        while let Some(lane) = self.lanes.get(at as usize) {
+            if lane.current == current {
+                return at;
             }
-            at = self.layout.side(at as usize)?.further;
+            at = self.layout.side(at as usize).map_or(NONE, |side| side.further);
         }
+        NONE
     }
 
     /// True where the lane's time runs from another event.
-    #[inline]
+    #[inline(always)]
     pub fn waits(&self, lane: usize) -> bool {
         self.lanes[lane].has(Traits::WAITS)
     }
 
     /// Since when a lane that waits was due, see [`Trigger::due`].
-    #[inline]
+    #[inline(always)]
     pub fn due(&self, lane: usize, before: Nanoseconds, own: Nanoseconds) -> Option<Nanoseconds> {
         let [one, other] = self.layout.side(lane)?.due.map(|slot| self.entered.get(slot as usize));
         let first = *one?;
@@ -233,26 +232,29 @@ impl Lanes {
     }
 
     /// The lane as it is usually taken; `None` where the time is not accepted.
-    #[inline]
+    #[inline(always)]
     pub fn usual(&self, lane: usize, took: Nanoseconds) -> Option<Usual> {
         let at = &self.lanes[lane];
         // Both are looked at, whichever it is: a branch here would be guessed wrong every other time.
-        let first = took >= at.early[0] && took <= at.late[0];
-        let second = took >= at.early[1] && took <= at.late[1];
-        let band = u32::from(!first);
+        let first = (took >= at.early[0]) & (took <= at.late[0]);
+        let second = (took >= at.early[1]) & (took <= at.late[1]);
         if first | second {
-            return Some(Usual { lane: lane as u32, band, took });
+            return Some(Usual { lane: lane as u32, band: u32::from(!first), took });
         }
-        if !at.has(Traits::MORE) {
-            return None;
-        }
+        let band = if at.has(Traits::MORE) { self.further_band(lane, took) } else { NONE };
+        (band != NONE).then_some(Usual { lane: lane as u32, band, took })
+    }
+
+    /// Numbers go in and out: what went through memory would keep all of a step there.
+    #[inline(never)]
+    fn further_band(&self, lane: usize, took: Nanoseconds) -> u32 {
         let bands = &self.more[self.layout.others(lane)];
-        let within = bands.iter().position(|band| took >= band.early && took <= band.late)?;
-        Some(Usual { lane: lane as u32, band: (INLINE + within) as u32, took })
+        let within = bands.iter().position(|band| took >= band.early && took <= band.late);
+        within.map_or(NONE, |within| (INLINE + within) as u32)
     }
 
     /// Counts a usual transition.
-    #[inline]
+    #[inline(always)]
     pub fn take(&mut self, usual: Usual) {
         let Usual { lane, band, took } = usual;
         let at = &mut self.lanes[lane as usize];
@@ -261,11 +263,16 @@ impl Lanes {
             let sum = &mut at.sum[band as usize];
             *sum = sum.wrapping_add(took);
         } else {
-            let first = self.layout.others(lane as usize).start;
-            let seen = &mut self.more[first + band as usize - INLINE].seen;
-            seen.count += 1;
-            seen.sum = seen.sum.wrapping_add(took);
+            self.take_further_band(lane as usize, band as usize, took);
         }
+    }
+
+    #[inline(never)]
+    fn take_further_band(&mut self, lane: usize, band: usize, took: Nanoseconds) {
+        let first = self.layout.others(lane).start;
+        let seen = &mut self.more[first + band - INLINE].seen;
+        seen.count += 1;
+        seen.sum = seen.sum.wrapping_add(took);
     }
 
     /// Counts a transition whose time means nothing.

@@ -28,8 +28,8 @@ use super::message;
 use super::model::NominalModel;
 use super::order::ScanOrder;
 use super::parameters::Timing;
-use super::states::NO_STATE;
 use super::snapshot::Snapshot;
+use super::states::NO_STATE;
 use super::teller::Teller;
 
 use step::Entry;

@@ -56,13 +56,7 @@ impl<'a> Teller<'a> {
     }
 
     /// A finding of a kind at a chain, its state's signal filled in.
-    pub fn at(
-        self,
-        kind: Kind,
-        chain: ChainIndex,
-        state: StateId,
-        time: Nanoseconds,
-    ) -> Finding {
+    pub fn at(self, kind: Kind, chain: ChainIndex, state: StateId, time: Nanoseconds) -> Finding {
         let plant = &self.model.plant;
         let index = self.signal_value(state).0;
         let signal = &plant.signals[index as usize];

@@ -14,7 +14,8 @@ use crate::timing::TimeCluster;
 use crate::timing::limits::Accepted;
 
 use super::counted::Seen;
-use super::{Band, INLINE, Lane, Lanes, NEVER, NONE, NOWHERE, Side, Traits, UNUSED};
+use super::sides::{PLAIN, Side, Sides};
+use super::{Band, INLINE, Lane, Lanes, NEVER, NONE, NOWHERE, Traits, UNUSED};
 
 /// What does not change while watching.
 #[derive(Debug)]
@@ -23,9 +24,7 @@ pub(super) struct Layout {
     pub(super) lane_of: Vec<u32>,
     /// By lane.
     pub(super) rule_of: Vec<u32>,
-    /// By lane: its place among the sides.
-    side_of: Vec<u32>,
-    sides: Vec<Side>,
+    sides: Sides,
     /// By lane: number of its bands.
     pub(super) bands: Vec<u16>,
     /// By slot: the state whose entry is kept there, ascending.
@@ -51,30 +50,21 @@ impl Checked {
     }
 }
 
-const PLAIN: Side = Side { further: NONE, group: NONE, slot: NONE, due: [NONE; 2], more: 0, bands: 0 };
-
 impl Layout {
-    #[inline]
+    #[inline(always)]
     pub(super) fn side(&self, lane: usize) -> Option<&Side> {
-        self.sides.get(self.side_of[lane] as usize)
+        self.sides.get(lane)
+    }
+
+    /// Fetches the side of a lane, should it have one.
+    #[inline(always)]
+    pub(super) fn fetch_side(&self, lane: usize) {
+        self.sides.fetch(lane);
     }
 
     /// Where the bands of a lane lie that are not in it.
     pub(super) fn others(&self, lane: usize) -> Range<usize> {
         self.side(lane).map_or(0..0, |side| side.more as usize..(side.more + side.bands) as usize)
-    }
-
-    /// The side of a lane, made where it has none.
-    fn side_mut(&mut self, lane: usize) -> &mut Side {
-        if self.side_of.len() <= lane {
-            self.side_of.resize(lane + 1, NONE);
-        }
-        let side = &mut self.side_of[lane];
-        if *side == NONE {
-            *side = self.sides.len() as u32;
-            self.sides.push(PLAIN);
-        }
-        &mut self.sides[*side as usize]
     }
 
     /// The slot of a state that is tracked.
@@ -90,17 +80,17 @@ impl Lanes {
         let mut layout = Layout {
             lane_of: vec![NONE; model.rules.len()],
             rule_of: Vec::new(),
-            side_of: vec![NONE; states],
-            sides: Vec::new(),
+            sides: Sides::default(),
             bands: Vec::new(),
             tracked: tracked(model),
             checked: checked(model),
         };
+        let mut sides: Vec<Option<Side>> = vec![None; states];
         let mut lanes = first_lanes(model);
         lanes.reserve_exact(further_lanes(model));
         for slot in 0..layout.tracked.len() {
             let state = layout.tracked[slot] as usize;
-            layout.side_mut(state).slot = slot as u32;
+            side_of(&mut sides, state).slot = slot as u32;
             lanes[state].device |= Traits::TRACKED;
         }
         let mut more = Vec::new();
@@ -116,9 +106,9 @@ impl Lanes {
                 let new = lanes.len();
                 match last {
                     Some((state, of, before)) if state == rule.next && of == kind => {
-                        layout.side_mut(before).further = new as u32;
+                        side_of(&mut sides, before).further = new as u32;
                     }
-                    _ => layout.side_mut(first).group = new as u32,
+                    _ => side_of(&mut sides, first).group = new as u32,
                 }
                 lanes.push(UNUSED);
                 new
@@ -134,16 +124,17 @@ impl Lanes {
             }
             if let Some(others) = bands.get(INLINE..).filter(|others| !others.is_empty()) {
                 lane.device |= Traits::MORE;
-                let side = layout.side_mut(at);
+                let side = side_of(&mut sides, at);
                 (side.more, side.bands) = (more.len() as u32, others.len() as u32);
                 more.extend_from_slice(others);
             }
             if let Some(trigger) = &rule.trigger {
                 lane.device |= Traits::WAITS;
                 let due = trigger.states.map(|state| layout.slot(state));
-                layout.side_mut(at).due = due;
+                side_of(&mut sides, at).due = due;
             }
         }
+        layout.sides = Sides::of(&sides);
         layout.finish(lanes.len(), model);
         more.shrink_to_fit();
         Self {
@@ -159,9 +150,6 @@ impl Lanes {
 
 impl Layout {
     fn finish(&mut self, lanes: usize, model: &NominalModel) {
-        self.side_of.resize(lanes, NONE);
-        self.side_of.shrink_to_fit();
-        self.sides.shrink_to_fit();
         self.rule_of = vec![NONE; lanes];
         self.bands = vec![0; lanes];
         for (rule, &lane) in self.lane_of.iter().enumerate() {
@@ -169,6 +157,14 @@ impl Layout {
             self.bands[lane as usize] = model.rules[rule].judged().len() as u16;
         }
     }
+}
+
+/// The side of a lane, made where it has none.
+fn side_of(sides: &mut Vec<Option<Side>>, lane: usize) -> &mut Side {
+    if sides.len() <= lane {
+        sides.resize(lane + 1, None);
+    }
+    sides[lane].get_or_insert(PLAIN)
 }
 
 /// One lane per state, before any rule has it.
@@ -273,4 +269,3 @@ fn nanoseconds(seconds: f64) -> Nanoseconds {
     // A saturating cast: an endless limit is the largest time.
     (seconds * SECOND as f64).round() as Nanoseconds
 }
-

@@ -35,8 +35,8 @@ impl Monitor {
             (kind, if affordable { Severity::Anomaly } else { Severity::Notice })
         };
         // `plat` knows no consequences.
-        let inherits = !plat
-            && (!timed.as_learned || model.evidence.is_open_wait(&model.rules[rule]));
+        let inherits =
+            !plat && (!timed.as_learned || model.evidence.is_open_wait(&model.rules[rule]));
         let waiting = Waiting { since: timed.since, inherits };
         let what = What::Time { rule: rule as u32, timed };
         let record = Record { what, kind, severity, time, incident: None };
@@ -69,7 +69,8 @@ impl Monitor {
         finding.expected = self.teller().expected_from(from, kind);
         finding.observed_s = Some(time.saturating_sub(since).max(0) as f64 / SECOND as f64);
         finding.path = vec![self.teller().state_name(from), self.teller().state_name(to)];
-        finding.suspects = message::transition_suspects(&model, from, self.teller().signal_value(to), kind);
+        finding.suspects =
+            message::transition_suspects(&model, from, self.teller().signal_value(to), kind);
         finding.message = message::transition(&model, from, &finding, kind);
         finding.id = stable_id(
             finding.kind,
@@ -141,8 +142,7 @@ impl Monitor {
             let chain = model.rules[departure.rule].chain;
             let kind = departure.kind;
             let what = What::Departure(Box::new(departure));
-            let record =
-                Record { what, kind, severity: Severity::Anomaly, time, incident: None };
+            let record = Record { what, kind, severity: Severity::Anomaly, time, incident: None };
             self.place_record(record, chain, Waiting { since: time, inherits: false });
         }
         self.lanes.reset(group);

@@ -222,7 +222,8 @@ impl Monitor {
             let next = events[index].state;
             let signal = self.teller().signal_value(next).0;
             let waits = (0..index).any(|earlier| {
-                !order.contains(&earlier) && self.teller().signal_value(events[earlier].state).0 == signal
+                !order.contains(&earlier)
+                    && self.teller().signal_value(events[earlier].state).0 == signal
             });
             let known = state == NO_STATE
                 || self.model.table.find(&self.model.rules, row_of(state, kind), next).is_some();

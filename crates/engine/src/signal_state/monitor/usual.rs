@@ -15,6 +15,8 @@ use super::watch::Here;
 /// Rows whose lanes are fetched ahead of their turn. The memory behind a big plant's lanes is the
 /// cost of watching it, unless it is asked for in time.
 const ROWS_AHEAD: usize = 24;
+/// Rows before their turn whose lanes are looked at for what they lead on to.
+const ROWS_AHEAD_FURTHER: usize = 10;
 
 /// What one usual row comes to.
 #[derive(Clone, Copy)]
@@ -22,7 +24,10 @@ struct Step {
     state: StateId,
     device: ChainIndex,
     of_device: Usual,
-    of_group: Option<(ChainIndex, Usual)>,
+    /// The group's chain moves too.
+    starting: bool,
+    group_chain: ChainIndex,
+    of_group: Usual,
     waits: bool,
 }
 
@@ -33,18 +38,13 @@ impl Monitor {
             return 0;
         }
         let scan = self.model.learned.scan_window.max(1);
-        let fetch = |monitor: &Self, at: usize| {
-            if let Some(row) = rows.get(at + ROWS_AHEAD) {
-                monitor.lanes.fetch(2 * row.signal as usize + (row.value & 1) as usize);
-            }
-        };
-        for at in 0..ROWS_AHEAD.min(rows.len()) {
-            self.lanes.fetch(2 * rows[at].signal as usize + (rows[at].value & 1) as usize);
+        for row in rows.iter().take(ROWS_AHEAD) {
+            self.lanes.fetch(boolean_state(row));
         }
         let mut at = 0;
         // The end of a scan shows in the row after it.
         while let Some([row, next]) = rows.get(at..at + 2) {
-            fetch(self, at);
+            self.fetch(rows, at);
             if next.time.saturating_sub(row.time) >= scan {
                 let Some(step) = self.usual_step(*row) else { break };
                 self.take_step(*row, step);
@@ -54,21 +54,33 @@ impl Monitor {
                 if over.is_none_or(|over| over < scan) || !self.take_pair(*row, *next) {
                     break;
                 }
-                fetch(self, at + 1);
+                self.fetch(rows, at + 1);
                 at += 2;
             }
         }
         at
     }
 
+    /// Fetches what the rows will need that come some time after one.
+    #[inline(always)]
+    fn fetch(&self, rows: &[Row], at: usize) {
+        if let Some(row) = rows.get(at + ROWS_AHEAD) {
+            self.lanes.fetch(boolean_state(row));
+        }
+        if let Some(row) = rows.get(at + ROWS_AHEAD_FURTHER) {
+            self.lanes.fetch_further(boolean_state(row));
+        }
+    }
+
     /// Two rows of one scan, of two devices that have nothing to do with one another; false, and
     /// nothing taken, where they have.
+    #[inline(never)]
     fn take_pair(&mut self, row: Row, next: Row) -> bool {
         let (Some(one), Some(other)) = (self.usual_step(row), self.usual_step(next)) else {
             return false;
         };
         let apart = one.device != other.device
-            && (one.of_group.is_none() || other.of_group.is_none())
+            && !(one.starting && other.starting)
             && !one.waits
             && !other.waits;
         if !apart {
@@ -85,7 +97,7 @@ impl Monitor {
     }
 
     /// What a row comes to that is a scan of its own; `None` where anything about it is not usual.
-    #[inline]
+    #[inline(always)]
     fn usual_step(&self, row: Row) -> Option<Step> {
         let watch = &self.watch;
         if row.time >= watch.next_deadline || !watch.values.flips(row.signal, row.value) {
@@ -95,17 +107,14 @@ impl Monitor {
         let place = self.lanes.place(state)?;
         let (lane, since) = self.known(place.device, ChainKind::Device, state)?;
         let waits = self.lanes.waits(lane);
-        let since = if waits {
-            self.lanes.due(lane, self.lanes.last_entry(state), since)?
-        } else {
-            since
-        };
+        let since =
+            if waits { self.lanes.due(lane, self.lanes.last_entry(state), since)? } else { since };
         let of_device = self.lanes.usual(lane, Timed::new(since, row.time, true).took)?;
         let group = self.model.chains.group_of(place.device);
         if watch.group_stalled[group].is_some() {
             return None;
         }
-        let of_group = if place.starting {
+        let (group_chain, of_group) = if place.starting {
             // The return to the first state closes a cycle.
             if state == self.model.learned.group_start[group] {
                 return None;
@@ -113,16 +122,17 @@ impl Monitor {
             let chain = self.model.chains.chain_of_group(group);
             let (lane, since) = self.known(chain, ChainKind::Group, state)?;
             let took = Timed::new(since, row.time, true).took;
-            Some((chain, self.lanes.usual(lane, took)?))
+            (chain, self.lanes.usual(lane, took)?)
         } else {
-            None
+            (place.device, of_device)
         };
-        Some(Step { state, device: place.device, of_device, of_group, waits })
+        let (device, starting) = (place.device, place.starting);
+        Some(Step { state, device, of_device, starting, group_chain, of_group, waits })
     }
 
     /// The lane of a chain's known transition to a state, and since when the chain stood where it
     /// stands; `None` off the path.
-    #[inline]
+    #[inline(always)]
     fn known(
         &self,
         chain: ChainIndex,
@@ -136,7 +146,7 @@ impl Monitor {
         Some((self.lanes.find(kind, from, state)?, since))
     }
 
-    #[inline]
+    #[inline(always)]
     fn take_step(&mut self, row: Row, step: Step) {
         self.lanes.take(step.of_device);
         self.lanes.keep_entry(step.state, row.time);
@@ -145,9 +155,9 @@ impl Monitor {
         watch.values.flip(row.signal);
         let here = Here { state: step.state, since: row.time };
         watch.here[step.device] = here;
-        if let Some((chain, usual)) = step.of_group {
-            self.lanes.take(usual);
-            watch.here[chain] = here;
+        if step.starting {
+            self.lanes.take(step.of_group);
+            watch.here[step.group_chain] = here;
         }
         let group = self.model.chains.group_of(step.device);
         watch.group_last[group] = row.time;
@@ -155,4 +165,10 @@ impl Monitor {
         let deadline = row.time.saturating_add(self.stall_after[group]);
         watch.next_deadline = watch.next_deadline.min(deadline);
     }
+}
+
+/// The state a row of a boolean leads to; the few words come as they come.
+#[inline(always)]
+fn boolean_state(row: &Row) -> usize {
+    2 * row.signal as usize + (row.value & 1) as usize
 }

@@ -1,0 +1,75 @@
+//! The partner of a single trigger that explains most instances and leaves some far off.
+//!
+//! Where one of two is nearly always the later, a sample hardly meets the other. The instances
+//! that the first leaves vote for what they really waited for, at the same distance.
+
+use crate::signal_state::states::{NO_STATE, StateId};
+
+use super::ballot::{Election, VOTERS};
+use super::delays::{self, Wait};
+use super::{FINALISTS, GAIN, Search};
+
+/// So many instances must be left, and the partner must explain this share of them.
+const LEFT_AT_LEAST: usize = 3;
+const LEFT_EXPLAINED: f64 = 0.6;
+/// Windows of the two, in close widths.
+const WIDTHS: f64 = 1.5;
+
+/// Sorted delays from the later of the trigger and its partner, and the two.
+pub(super) fn found(
+    search: &mut Search<'_>,
+    election: &Election<'_>,
+    waits: &[Wait],
+    [one, other]: [StateId; 2],
+) -> Option<(Vec<f64>, [StateId; 2])> {
+    if other != NO_STATE {
+        return None;
+    }
+    let delays = delays::of_each(search.index, waits, one);
+    let mut sorted: Vec<f64> = delays.iter().copied().filter(|d| d.is_finite()).collect();
+    sorted.sort_unstable_by(f64::total_cmp);
+    let (low, high) = most_within(&sorted, election.close)?;
+    let explained = |delay: &f64| (low..=high).contains(delay);
+    let left: Vec<usize> = (0..delays.len()).filter(|&at| !explained(&delays[at])).collect();
+    if left.len() < LEFT_AT_LEAST || left.len() * 3 > delays.len() * 2 {
+        return None;
+    }
+    let theirs: Vec<u32> = left.iter().map(|&at| election.instances[at]).collect();
+    let own: Vec<f64> = left.iter().map(|&at| election.own_s[at]).collect();
+    let of_left = Election { instances: &theirs, own_s: &own, steady: election.close, ..*election };
+    let voters = theirs.len().min(VOTERS);
+    let mut candidates = search.ballot.vote(search.index, &of_left, voters);
+    candidates.retain(|c| {
+        let (mask, (least, most)) = c.close;
+        c.state != one
+            && f64::from(mask.count_ones()) >= LEFT_EXPLAINED * voters as f64
+            && most.max(high) - least.min(low) <= WIDTHS * election.close
+    });
+    candidates.sort_by_key(|c| std::cmp::Reverse(c.close.0.count_ones()));
+    let joined = candidates.iter().take(FINALISTS).filter_map(|c| {
+        let states = [one, c.state];
+        let delays = delays::sorted(search.index, waits, states)?;
+        let (low, high) = most_within(&delays, election.close)?;
+        let within = delays.iter().filter(|d| (low..=high).contains(*d)).count();
+        let still_left = waits.len() - within;
+        let fewer = still_left as f64 <= GAIN * left.len() as f64;
+        fewer.then_some((still_left, delays, states))
+    });
+    let best = joined.min_by_key(|(still_left, ..)| *still_left);
+    best.map(|(_, delays, states)| (delays, states))
+}
+
+/// Ends of the window of this width that holds most of the sorted times.
+fn most_within(sorted: &[f64], width: f64) -> Option<(f64, f64)> {
+    let mut best: Option<(usize, usize)> = None;
+    let mut start = 0;
+    for end in 0..sorted.len() {
+        while sorted[end] - sorted[start] > width {
+            start += 1;
+        }
+        if best.is_none_or(|(s, e)| end - start > e - s) {
+            best = Some((start, end));
+        }
+    }
+    best.map(|(start, end)| (sorted[start], sorted[end]))
+}

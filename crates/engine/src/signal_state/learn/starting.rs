@@ -1,0 +1,47 @@
+//! The signal that stands for its device in the group's chain.
+
+use crate::log::SignalIndex;
+use crate::plant::Plant;
+use crate::signal_state::enabling::Happening;
+use crate::signal_state::parameters::Parameters;
+
+use super::LearnError;
+
+/// The first signal of each device with an event stands for it, unless the user says otherwise.
+pub(super) fn choose_starting_signals(
+    plant: &mut Plant,
+    events: &[Happening],
+    parameters: &Parameters,
+) -> Result<(), LearnError> {
+    let device_of: Vec<u32> = plant.signals.iter().map(|signal| signal.device as u32).collect();
+    let mut first = vec![SignalIndex::MAX; plant.devices.len()];
+    for event in events {
+        let first = &mut first[device_of[event.signal as usize] as usize];
+        if *first == SignalIndex::MAX {
+            *first = event.signal;
+        }
+    }
+    for (device, first) in plant.devices.iter_mut().zip(first) {
+        if first != SignalIndex::MAX {
+            device.starting.get_or_insert(first);
+        }
+    }
+    for (name, signal) in &parameters.starting {
+        let error = |problem: &str| LearnError::Starting {
+            device: name.clone(),
+            signal: signal.clone(),
+            problem: problem.to_owned(),
+        };
+        let device = (0..plant.devices.len())
+            .find(|&d| plant.device_name(d) == *name || plant.devices[d].name == *name)
+            .ok_or_else(|| error("the logs hold no such device; give it as Group-Device"))?;
+        let index = (0..plant.signals.len() as SignalIndex)
+            .find(|&s| {
+                let candidate = &plant.signals[s as usize];
+                candidate.device == device && candidate.name == *signal
+            })
+            .ok_or_else(|| error("the device has no such signal"))?;
+        plant.devices[device].starting = Some(index);
+    }
+    Ok(())
+}
