@@ -1,0 +1,198 @@
+"""The press polled over real S7: `python -m benches.press_s7 [--only PART ...]`.
+
+The press is served by the soft PLC and polled by the S7 tap; its clock goes on with each scan. While
+nothing moves it goes on by several intervals at once, but never by so much that a scan would be
+missing. Recordings are kept in `benches/results/press`; `python -m benches.cycle --only s7` learns
+from them and watches them.
+"""
+
+import argparse
+import asyncio
+import random
+import time
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from benches import press_days
+from benches.press_days import Days, Plan, with_truth, write_truth
+from runglight.plants.agenda import NS_PER_S, nanoseconds
+from runglight.plants.press import FAULTS, RunningPress
+from runglight.plants.press.simulate import START_NS
+from runglight.recording.read import log_to_its_end
+from runglight.recording.recorder import Recorder
+from runglight.softplc import serve
+from runglight.taps import open_tap
+
+LEAP_NS = nanoseconds(0.9)
+"""Longest time from scan to scan: with more than a second the tap would tell of a gap."""
+
+BURST_SHARE = 0.05
+BURST_FACTOR = 8
+"""In one of twenty minutes the poller is overloaded, and every scan takes eight times as long."""
+
+INTERVALS_MS = (10, 50, 150)
+SHORT_CYCLES = 600
+SHORT_DAYS = 1.5
+
+
+@dataclass
+class ScanClock:
+    """The time of a served press: a scan's interval at a time, in leaps while it stands still."""
+
+    press: RunningPress
+    interval_ns: int
+    next_ns: Callable[[], int | None]
+    bursts: bool = False
+    time_ns: int = START_NS
+    scans: int = 0
+
+    def now_ns(self) -> int:
+        """The time now."""
+        return self.time_ns
+
+    def take_step_ns(self) -> None:
+        """Nobody sets this clock."""
+
+    async def sleep_until(self, time_ns: int) -> None:
+        """Returns at once; so much later where the poller is overloaded or the press stands."""
+        if time_ns > self.time_ns:
+            self.scans += 1
+            if self.bursts and self._overloaded():
+                time_ns += (BURST_FACTOR - 1) * self.interval_ns
+            else:
+                time_ns += self._leap_ns(time_ns)
+            self.time_ns = time_ns
+        await asyncio.sleep(0)
+
+    def _overloaded(self) -> bool:
+        minute = (self.time_ns - START_NS) // (60 * NS_PER_S)
+        return random.Random(f"{minute}/burst").random() < BURST_SHARE
+
+    def _leap_ns(self, time_ns: int) -> int:
+        """Whole intervals after `time_ns` at whose scans nothing could be seen."""
+        due = [due for due in (self.press.next_change_ns(), self.next_ns()) if due is not None]
+        until_ns = min([*due, self.time_ns + LEAP_NS])
+        until_ns = min(until_ns, self.time_ns + LEAP_NS)
+        return max(-(-(until_ns - time_ns) // self.interval_ns), 0) * self.interval_ns
+
+
+async def record(
+    name: str, *, interval_ms: int, seed: int, bursts: bool = False, **what: Any
+) -> None:
+    """Records a stretch of operation through the tap; `what` is a `Plan`'s."""
+    press = RunningPress(START_NS, seed)
+    plan = Plan(press, seed=seed, **what)
+    clock = ScanClock(press, interval_ms * 1_000_000, lambda: plan.next_ns, bursts)
+    began_s = time.monotonic()
+    directory = press_days.FOLDER / name
+    async with (
+        serve(press, "s7://127.0.0.1:0", clock) as plc,
+        open_tap(
+            plc.tap_url.replace("interval=10ms", f"interval={interval_ms}ms"), clock=clock
+        ) as tap,
+    ):
+        with Recorder(directory, tap) as recorder:
+            async for batch in tap:
+                recorder.append(batch)
+                if not plan.follow(clock.time_ns):
+                    break
+    write_truth(truth_of(directory), plan.happenings(), clock.time_ns, press.cycles)
+    took_s = time.monotonic() - began_s
+    print(
+        f"{name}: {press.cycles:,} cycles in {clock.scans:,} scans over S7, {took_s:,.0f} s "
+        f"({clock.scans / took_s:,.0f} scans/s)",
+        flush=True,
+    )
+
+
+def truth_of(directory: Path) -> Path:
+    """What happened, beside the recording."""
+    return directory.with_suffix(".json")
+
+
+def recorded(name: str, **what: Any) -> Days:
+    """The recording of a stretch, made where it is missing."""
+    directory = press_days.FOLDER / name
+    if not truth_of(directory).is_file():
+        directory.parent.mkdir(parents=True, exist_ok=True)
+        asyncio.run(record(name, **what))
+    return with_truth(log_to_its_end(directory), truth_of(directory))
+
+
+def learned_from() -> Days:
+    """7,000 cycles at the paper's 0.15 s."""
+    return recorded(
+        "s7-learned",
+        interval_ms=150,
+        seed=1,
+        cycles=7_000,
+        failures=press_days.LEARNED_FAILURES,
+        normal=press_days.LEARNED_STOPS,
+    )
+
+
+def fifteen_days(seed: int = press_days.WORKED_OUT_ON) -> Days:
+    """Table 3 at the paper's 0.15 s."""
+    return recorded(
+        f"s7-fifteen-days-{seed}",
+        interval_ms=150,
+        seed=seed,
+        days=15.0,
+        failures=tuple(FAULTS),
+        normal=press_days.NORMAL,
+    )
+
+
+def learned_at(interval_ms: int) -> Days:
+    """Six hundred cycles at an interval."""
+    return recorded(
+        f"s7-learned-{interval_ms}ms",
+        interval_ms=interval_ms,
+        seed=1,
+        cycles=SHORT_CYCLES,
+        normal=press_days.LEARNED_STOPS,
+    )
+
+
+def short_days_at(interval_ms: int, *, bursts: bool) -> Days:
+    """Table 3 in a day and a half, at an interval, with or without bursts of overload."""
+    name = f"s7-short-days-{interval_ms}ms" + ("-bursts" if bursts else "")
+    return recorded(
+        name,
+        interval_ms=interval_ms,
+        seed=press_days.WORKED_OUT_ON,
+        bursts=bursts,
+        days=SHORT_DAYS,
+        failures=tuple(FAULTS),
+        normal=press_days.NORMAL,
+    )
+
+
+def all_intervals() -> None:
+    """Everything that the table of intervals needs."""
+    for interval_ms in reversed(INTERVALS_MS):
+        learned_at(interval_ms)
+        for bursts in (False, True):
+            short_days_at(interval_ms, bursts=bursts)
+
+
+PARTS: dict[str, Callable[[], object]] = {
+    "learned": learned_from,
+    "fifteen_days": fifteen_days,
+    "unseen_days": lambda: fifteen_days(12),
+    "intervals": all_intervals,
+}
+
+
+def main() -> None:
+    """The command."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--only", nargs="+", choices=list(PARTS), default=list(PARTS))
+    for name in parser.parse_args().only:
+        PARTS[name]()
+
+
+if __name__ == "__main__":
+    main()
