@@ -65,7 +65,7 @@ class Operator:
         if self.busy:
             return
         self.busy = True
-        self._plant.set(sensor, value)
+        self._later(0.0, partial(self._plant.set, sensor, value))
         self._later(for_s, partial(self._plant.set, sensor, not value))
         self._later(for_s + 1.0, partial(self._plant.set, "Panel-START", True))
         self._later(for_s + 1.4, partial(self._plant.set, "Panel-START", False))

@@ -130,19 +130,24 @@ class RunningPress(ScannedPlant[bool]):
 
     def reach_in(self, for_s: float = 2.0) -> None:
         """Somebody reaches through the light curtain; the press stops until START is pressed."""
-        self._operator.stop("Doors-CURTAIN_OK", False, for_s)
+        self._stop("Doors-CURTAIN_OK", False, for_s)
 
     def open_door(self, for_s: float = 60.0) -> None:
         """Somebody opens the front door: chips, a look at a part."""
-        self._operator.stop("Doors-FRONT_CLOSED", False, for_s)
+        self._stop("Doors-FRONT_CLOSED", False, for_s)
 
     def press_stop(self, for_s: float = 0.5) -> None:
         """Somebody presses STOP."""
-        self._operator.stop("Panel-STOP", True, for_s)
+        self._stop("Panel-STOP", True, for_s)
 
     def press_emergency_stop(self, for_s: float = 30.0) -> None:
         """The emergency stop is pressed and pulled out again: by mistake, or to try it."""
-        self._operator.stop("Cabinet-E_STOP_OK", False, for_s)
+        self._stop("Cabinet-E_STOP_OK", False, for_s)
+
+    def _stop(self, sensor: str, value: bool, for_s: float) -> None:
+        # The machine may have stood still since its last event.
+        self._plant.advance(self.now_ns)
+        self._operator.stop(sensor, value, for_s)
 
     def wear_out(self, device: str, over_s: float) -> None:
         """A cylinder's end cushion wears out from now on, and has failed after `over_s`.
