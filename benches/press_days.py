@@ -10,8 +10,6 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
-import numpy as np
-
 from runglight.log.changelog import Log, read_log
 from runglight.plants.agenda import NS_PER_S
 from runglight.plants.press import FAULTS, RunningPress
@@ -103,8 +101,11 @@ class Plan:
         cycles: int | None = None,
         failures: tuple[int, ...] = (),
         normal: tuple[str, ...] = (),
+        worn: tuple[str, float, float] | None = None,
     ) -> None:
+        """`worn`: whose end cushion wears out, from which day on, and in how many days."""
         self._press = press
+        self._worn = worn
         self._days = days
         self._cycles = cycles or 0
         self._random = random = Random(f"{seed}/days")
@@ -133,6 +134,9 @@ class Plan:
             else:
                 ACTIONS[kind](self._press, self._random)
                 self._happened.append(Happening(now_ns, kind))
+        if self._worn is not None and now_ns >= START_NS + self._worn[1] * DAY_S * NS_PER_S:
+            self._press.wear_out(self._worn[0], self._worn[2] * DAY_S)
+            self._worn = None
         if self._days is not None:
             return now_ns < START_NS + self._days * DAY_S * NS_PER_S
         return self._press.cycles < self._cycles
@@ -208,33 +212,15 @@ def manual_returns(number: int = 200) -> Days:
     return operation(f"manual-{number}", seed=4, cycles=number * 4, normal=("manual",) * number)
 
 
-def polled(log: Log, interval_ns: int, *, bursts: bool, seed: int = 1) -> Log:
-    """The log as a slower poll sees it: the image at each poll, changes since the last one.
+WORN = ("Clamp2", "Clamp5", "Stop1", "Slide1")
+WORN_FROM_DAY, WORN_DAYS = 1.0, 1.0
 
-    `bursts`: in one of twenty minutes the poller is overloaded and takes eight times as long.
+
+def wearing_out(device: str | None) -> Days:
+    """Two days of sound operation, in the second of which an end cushion wears out; None: none.
+
+    Ends some hours after the cushion has failed.
     """
-    time_ns, signal, value = log.columns()
-    start = int(time_ns[0])
-    since = time_ns - start
-    polls = -(-since // interval_ns) * interval_ns
-    if bursts:
-        minutes = since // (60 * NS_PER_S)
-        slow = np.random.default_rng(seed).random(int(minutes.max()) + 1) < 0.05
-        polls = np.where(slow[minutes], -(-since // (8 * interval_ns)) * 8 * interval_ns, polls)
-        polls = np.maximum.accumulate(polls)
-    order = np.lexsort((np.arange(len(polls)), signal, polls))
-    poll_of, signal_of, value_of = polls[order], signal[order], value[order]
-    last = np.ones(len(order), dtype=bool)
-    last[:-1] = (poll_of[1:] != poll_of[:-1]) | (signal_of[1:] != signal_of[:-1])
-    poll_of, signal_of, value_of = poll_of[last], signal_of[last], value_of[last]
-    # A signal that was back at its value when looked at has not changed.
-    by_signal = np.lexsort((poll_of, signal_of))
-    changed = np.ones(len(by_signal), dtype=bool)
-    same = (signal_of[by_signal][1:] == signal_of[by_signal][:-1]) & (
-        value_of[by_signal][1:] == value_of[by_signal][:-1]
-    )
-    changed[1:] = ~same
-    kept = np.sort(by_signal[changed])
-    return Log.from_columns(
-        start + poll_of[kept], signal_of[kept].astype(np.uint32), value_of[kept], log.signals
-    )
+    name = f"worn-{device.lower()}" if device else "worn-nothing"
+    worn = None if device is None else (device, WORN_FROM_DAY, WORN_DAYS)
+    return operation(name, seed=7, days=WORN_FROM_DAY + WORN_DAYS + 0.2, worn=worn)

@@ -25,6 +25,8 @@ from runglight.recording.read import log_to_its_end
 from runglight.recording.recorder import Recorder
 from runglight.softplc import serve
 from runglight.taps import open_tap
+from runglight.taps.base import Batch, Tap
+from runglight.taps.polled import PolledTap
 
 LEAP_NS = nanoseconds(0.9)
 """Longest time from scan to scan: with more than a second the tap would tell of a gap."""
@@ -83,10 +85,22 @@ class ScanClock:
         return max(-(-(until_ns - time_ns) // self.interval_ns), 0) * self.interval_ns
 
 
+Listen = Callable[[Tap], Callable[[Batch], object]]
+
+
 async def record(
-    name: str, *, interval_ms: int, seed: int, bursts: bool = False, **what: Any
+    name: str,
+    *,
+    interval_ms: int,
+    seed: int,
+    bursts: bool = False,
+    listen: Listen | None = None,
+    **what: Any,
 ) -> None:
-    """Records a stretch of operation through the tap; `what` is a `Plan`'s."""
+    """Records a stretch of operation through the tap; `what` is a `Plan`'s.
+
+    `listen` gives who takes each batch besides the recorder.
+    """
     press = RunningPress(START_NS, seed)
     plan = Plan(press, seed=seed, **what)
     clock = ScanClock(press, interval_ms * 1_000_000, lambda: plan.next_ns, bursts)
@@ -97,13 +111,16 @@ async def record(
         port = plc.url.port
         url = f"s7://127.0.0.1:{port}?pe=0-26&mk=0&interval={interval_ms}ms"
         tap = open_tap(url, clock=clock)
-        # The PLC answers in threads of its own, so that the tap may block this one.
-        _device = tap.device
-        tap.device = lambda **_: _device(own_thread=True)  # type: ignore[attr-defined]
+        # The PLC answers in threads of its own, so that reading may block this one.
+        assert isinstance(tap, PolledTap)
+        tap.device = partial(tap.device, own_thread=True)  # type: ignore[method-assign]
         async with tap:
             with Recorder(directory, tap) as recorder:
+                hear = listen(tap) if listen else None
                 async for batch in tap:
                     recorder.append(batch)
+                    if hear is not None:
+                        hear(batch)
                     if not plan.follow(clock.time_ns):
                         break
     write_truth(truth_of(directory), plan.happenings(), clock.time_ns, press.cycles)

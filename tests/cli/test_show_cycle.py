@@ -33,6 +33,7 @@ def press(runglight: Command, tmp_path: Path) -> Path:
     learned = runglight("learn", "nominal.csv", "-o", "press.model")
     assert learned.returncode == 0, learned.stderr
     assert "cycle machine" in learned.stdout
+    assert "M0.0, M0.1, M0.2 say what the machine is about" in learned.stderr
     return tmp_path / "press.model"
 
 

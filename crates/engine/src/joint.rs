@@ -318,7 +318,9 @@ fn hand_on(
 fn lose_sight(signal_state: &mut Monitor, time: Nanoseconds) -> Vec<Finding> {
     let mut findings = signal_state.gap(time, time);
     findings.retain(|finding| {
-        finding.kind != Kind::Gap || finding.time != time || finding.observed_s.is_some_and(|s| s > 0.0)
+        finding.kind != Kind::Gap
+            || finding.time != time
+            || finding.observed_s.is_some_and(|s| s > 0.0)
     });
     findings
 }

@@ -100,10 +100,7 @@ impl Monitor {
                 };
                 then.iter().filter_map(due).collect()
             }
-            Departure::Transition { .. } => {
-                let from = from.unwrap_or_default();
-                machine.from(from).iter().map(|t| (machine.word(t.to), t.weight)).collect()
-            }
+            Departure::Transition { from } => machine.weights(from, here.came),
             // It should have stayed.
             Departure::Early => vec![(machine.word(here.before.0), 1)],
             Departure::End { .. } => {
