@@ -63,13 +63,14 @@ class ScanClock:
 
     async def sleep_until(self, time_ns: int) -> None:
         """Returns at once; so much later where the poller is overloaded or the press stands."""
-        if time_ns > self.time_ns:
-            self.scans += 1
-            if self.bursts and self._overloaded():
-                time_ns += (BURST_FACTOR - 1) * self.interval_ns
-            else:
-                time_ns += self._leap_ns(time_ns)
-            self.time_ns = time_ns
+        self.scans += 1
+        # After a leap the tap takes the next slot of its grid to be now: that was the last scan.
+        time_ns = max(time_ns, self.time_ns + self.interval_ns)
+        if self.bursts and self._overloaded():
+            time_ns += (BURST_FACTOR - 1) * self.interval_ns
+        else:
+            time_ns += self._leap_ns(time_ns)
+        self.time_ns = time_ns
         if not self.scans % OTHERS_TURN:
             await asyncio.sleep(0)
 

@@ -78,6 +78,13 @@ def test_a_failure_is_named_by_its_address(press: Path, runglight: Command) -> N
     assert (cause["model"], cause["suspects"][0]["address"]) == ("cycle", "I12.2")
 
 
+def test_the_table_tells_class_and_suspects(press: Path, runglight: Command) -> None:
+    runglight("simulate", "press", "--fault", "clamp2-adv-dead", "--log", "broken.csv")
+    table = runglight("watch", press, "broken.csv").stdout
+    assert "class 1" in table
+    assert "Suspects: I12.2 Clamp2-ADV" in table
+
+
 def test_refusals(press: Path, runglight: Command, refused: Callable[..., str]) -> None:
     assert "has no region 'clamp-I12'" in refused("show", press, "--region", "clamp-I12")
     assert "add --region" in refused("show", press, "--cycle", "--format", "svg")

@@ -45,7 +45,8 @@ impl Aside {
         let pausing = modes.manual.iter().chain(&modes.alarm);
         Self {
             is_mode,
-            pausing: pausing.map(|mode| (*mode, !mode.active)).collect(),
+            // What nobody has seen says nothing.
+            pausing: pausing.map(|mode| (*mode, false)).collect(),
             paused: false,
             last: vec![None; signals],
         }

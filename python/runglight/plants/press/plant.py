@@ -49,14 +49,14 @@ REBOUND_AFTER_S = 0.02
 REBOUND_S = 0.03
 WORN_REBOUND_S = 0.06
 """A sound cushion's rebound, and by how much it is longer at the end of its life."""
-WORN_REBOUNDS = 0.25
+WORN_REBOUNDS = 0.5
 """Share of arrivals that rebound at the end of its life."""
 FAILED_REBOUND_S = 0.6
 
 
 @dataclass(frozen=True, slots=True)
 class Wear:
-    """How far a cushion's life has gone by: quadratic, slow at first."""
+    """How far a cushion's life has gone by; its rebounds grow with the cube of that."""
 
     since_ns: int
     life_ns: int
@@ -70,7 +70,7 @@ class Wear:
         share = self.share(now_ns)
         if share >= 1.0:
             return FAILED_REBOUND_S
-        if random.random() >= WORN_REBOUNDS * share**2:
+        if random.random() >= WORN_REBOUNDS * share**3:
             return None
         return REBOUND_S + WORN_REBOUND_S * share * random.random()
 

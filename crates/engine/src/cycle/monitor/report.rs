@@ -98,7 +98,12 @@ impl Monitor {
                     let (_, count) = then.due(self.watch.position)?;
                     Some((machine.word(then.to), count))
                 };
-                then.iter().filter_map(due).collect()
+                let awaited: Vec<(Word, u64)> = then.iter().filter_map(due).collect();
+                if self.element {
+                    order::unskipped(machine, machine.word(here.state), awaited)
+                } else {
+                    awaited
+                }
             }
             Departure::Transition { from } => machine.weights(from, here.came),
             // It should have stayed.
