@@ -1,151 +1,95 @@
 """The cycle machine on the press: `python -m benches.cycle [--only PART ...]`.
 
-Table 3 of Guim & Dias 2023 (fifteen days, 24 failures, 54 stops and variations) in both modes, a
-month without failures, returns from manual, slower polling with bursts of overload, and speed.
-Numbers are kept in benches/results/cycle.json.
+Table 3 of Guim & Dias 2023 (fifteen days, 24 failures, 54 stops and variations) in both modes, on
+logs of the PLC and over real S7 (`benches.press_s7`), a month without failures, returns from manual,
+slower polling with bursts of overload, wear, both models together, and speed. Numbers are kept in
+benches/results/cycle.json.
 """
 
 import argparse
 import json
 import subprocess
 import time
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections import defaultdict
+from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
 from rich.console import Console
 
-from benches import press_days
+from benches import press_days, press_s7
 from benches.machine import machine
-from benches.press_days import Days, polled
+from benches.press_days import Days
+from benches.press_scoring import Scored, learned, nanoseconds, scored, watched
 from benches.tables import Table, share, verdict
-from runglight.cycle_model import CycleModel
-from runglight.findings.finding import Finding, decode_finding
-from runglight.findings.suspect_rows import suspect_rows
-from runglight.log.changelog import Log
-from runglight.model import ROWS_AT_ONCE, learn_cycle
+from runglight.configuration import Cycle, Modes, Parameters, cycle_json
+from runglight.model import learn_with
 from runglight.plants.agenda import NS_PER_S
-from runglight.plants.press import FAILURES, MODES, REGIONS, SYMBOLS
-from runglight.plants.symbols import write_symbols
+from runglight.plants.press import MODES, REGIONS, SYMBOLS
+from runglight.plants.symbols import symbols_csv
 
 LATEST = Path(__file__).parent / "results" / "cycle.json"
 MODES_OF_COMPARING = ("word", "element")
-AFTER_ALARM_NS = 5 * NS_PER_S
-"""A failure is answered by a finding until so long after its alarm."""
 
-SEEDS = (press_days.WORKED_OUT_ON, 12)
-"""Fifteen days each; the second is what the method had not seen when it was worked out."""
+UNSEEN = (12, *range(21, 30))
+"""Seeds of fifteen days each that the method had not seen when it was worked out."""
 
-INTERVALS_MS = (10, 50, 150)
-NAME_OF = {symbol.address: symbol.short_name for symbol in SYMBOLS}
+HOUR_NS = 3600 * NS_PER_S
 
-
-@dataclass(frozen=True)
-class Scored:
-    """Table 3, and whether the address was right."""
-
-    true_positive: int
-    false_positive: int
-    false_negative: int
-    true_negative: int
-    first: int
-    """Failures whose address stood first."""
-    class_1: int
-    class_3: int
-
-    @property
-    def accuracy(self) -> float:
-        """Share of all cases judged rightly."""
-        right = self.true_positive + self.true_negative
-        return right / (right + self.false_positive + self.false_negative)
+Rows = list[dict[str, Any]]
 
 
-def learned(log: Log, mode: str) -> CycleModel:
-    """The press's cycle machine."""
-    symbols = press_days.FOLDER / "symbols.csv"
-    symbols.parent.mkdir(parents=True, exist_ok=True)
-    write_symbols(SYMBOLS, symbols)
-    return learn_cycle(log, MODES, REGIONS, symbols=symbols, mode=mode)
+def total(model: Any, stretches: Iterable[Days]) -> Scored:
+    """Table 3 of several stretches together."""
+    first, *others = [scored(days, watched(model, days.log)) for days in stretches]
+    return sum(others, first)
 
 
-def watched(model: CycleModel, log: Log) -> list[Finding]:
-    """All lines of a log."""
-    monitor = model.monitor()
-    lines: list[str] = []
-    for offset in range(0, len(log), ROWS_AT_ONCE):
-        lines += monitor.observe(log.slice(offset, ROWS_AT_ONCE)).json_lines()
-    lines += monitor.finish().json_lines()
-    return [decode_finding(line) for line in lines]
-
-
-def nanoseconds(iso: str) -> int:
-    """Of a finding's time."""
-    import datetime  # noqa: PLC0415
-
-    whole, _, fraction = iso.removesuffix("Z").partition(".")
-    seconds = int(datetime.datetime.fromisoformat(whole + "+00:00").timestamp())
-    return seconds * NS_PER_S + int((fraction + "0" * 9)[:9])
-
-
-def scored(days: Days, findings: list[Finding]) -> Scored:
-    """A failure is found where a class 1 names its address between its beginning and its alarm.
-
-    A class 1 or 2 at any other time is a false positive of the stop or variation before it.
-    """
-    told = [(nanoseconds(finding.time), finding) for finding in findings]
-    ones = [(time_ns, finding) for time_ns, finding in told if finding.rank == 1]
-    grave = [(time_ns, finding) for time_ns, finding in told if finding.rank in (1, 2)]
-    failures = [each for each in days.happenings if each.kind == "failure" and each.shown_ns]
-    answered: set[int] = set()
-    found = first = 0
-    for failure in failures:
-        until = (failure.shown_ns or 0) + AFTER_ALARM_NS
-        places = FAILURES[failure.number or 0].shows
-        answers = [one for time_ns, one in ones if failure.time_ns <= time_ns <= until]
-        answered |= {index for index, (t, _) in enumerate(grave) if failure.time_ns <= t <= until}
-        named = {NAME_OF.get(row.address, "") for row in suspect_rows(answers[:1]) if row.rank == 1}
-        found += bool(named & set(places))
-        top = answers[0].suspects[0] if answers and answers[0].suspects else None
-        first += top is not None and NAME_OF.get(top.address or "") in places
-    normal = [each for each in days.happenings if each.kind != "failure"]
-    stray = [t for index, (t, _) in enumerate(grave) if index not in answered]
-    blamed: set[int] = set()
-    unblamed = 0
-    for time_ns in stray:
-        before = [place for place, each in enumerate(normal) if each.time_ns <= time_ns]
-        if before and time_ns - normal[before[-1]].time_ns < 3600 * NS_PER_S:
-            blamed.add(before[-1])
-        else:
-            unblamed += 1
-    return Scored(
-        true_positive=found,
-        false_positive=len(blamed) + unblamed,
-        false_negative=len(failures) - found,
-        true_negative=len(normal) - len(blamed),
-        first=first,
-        class_1=len(ones),
-        class_3=sum(finding.rank in (3, 4) and finding.state == "suspected" for _, finding in told),
-    )
-
-
-def table_3(log: Log) -> list[dict[str, Any]]:
-    """The confusion matrix in both modes."""
+def table_3() -> Rows:
+    """The confusion matrix in both modes: the days the method was worked out on, and unseen ones."""
+    log = press_days.learned_from().log
     models = {mode: learned(log, mode) for mode in MODES_OF_COMPARING}
     return [
-        {"mode": mode, "seed": seed, **_as_row(scored(days, watched(model, days.log)))}
-        for seed in SEEDS
+        {"mode": mode, "seed": seed, **total(model, [days]).row()}
+        for seed in (press_days.WORKED_OUT_ON, *UNSEEN)
         for days in [press_days.fifteen_days(seed)]
         for mode, model in models.items()
     ]
 
 
-def _as_row(result: Scored) -> dict[str, Any]:
-    return {**result.__dict__, "accuracy": result.accuracy}
+def stops_unknown() -> Rows:
+    """What it costs where no stop with an alarm was learned, or none is taken for normal."""
+    days = press_days.fifteen_days()
+    ways = {
+        "none in what was learned": (press_days.learned_from(stops=()).log, 3),
+        "known_stops = 0": (press_days.learned_from().log, 0),
+    }
+    return [
+        {"stops": way, "mode": mode, **total(learned(log, mode, known_stops=known), [days]).row()}
+        for way, (log, known) in ways.items()
+        for mode in MODES_OF_COMPARING
+    ]
 
 
-def month(log: Log) -> list[dict[str, Any]]:
-    """No failure at all: everything of class 1 or 2 is false."""
+def s7() -> Rows:
+    """Table 3 over real S7: 7,000 cycles learned, fifteen days watched, polled every 0.15 s."""
+    log = press_s7.learned_from().log
+    halves = [press_s7.half(name) for name in press_s7.HALVES]
+    return [
+        {
+            "mode": mode,
+            "learned": press_s7.learned_from().cycles,
+            "days": sum(days.days for days in halves),
+            "cycles": sum(days.cycles for days in halves),
+            **total(learned(log, mode), halves).row(),
+        }
+        for mode in MODES_OF_COMPARING
+    ]
+
+
+def month() -> Rows:
+    """No failure at all, but stops with alarms: everything of class 1 or 2 is false."""
+    log = press_days.learned_from().log
     halves = press_days.sound_month()
     rows = []
     for mode in MODES_OF_COMPARING:
@@ -156,6 +100,7 @@ def month(log: Log) -> list[dict[str, Any]]:
                 "mode": mode,
                 "days": sum(days.days for days in halves),
                 "cycles": sum(days.cycles for days in halves),
+                "alarms": sum(_alarms(days) for days in halves),
                 "class_1_2": sum(finding.rank in (1, 2) for finding in findings),
                 "class_3_4": len({f.id for f in findings if f.rank in (3, 4)}),
                 "rising": sum(finding.rank is None for finding in findings),
@@ -164,8 +109,16 @@ def month(log: Log) -> list[dict[str, Any]]:
     return rows
 
 
-def manual(log: Log) -> list[dict[str, Any]]:
+def _alarms(days: Days) -> int:
+    """How often the alarm bit rose."""
+    _, signal, value = days.log.columns()
+    number = days.log.signals.index("Checks-Mode-ALARM")
+    return int(((signal == number) & (value == 1)).sum())
+
+
+def manual() -> Rows:
     """Two hundred returns from manual: a finding within ten seconds of one is false."""
+    log = press_days.learned_from().log
     days = press_days.manual_returns()
     number = days.log.signals.index("Checks-Mode-MANUAL")
     time_ns, signal, value = days.log.columns()
@@ -182,35 +135,91 @@ def manual(log: Log) -> list[dict[str, Any]]:
                     any(0 <= t - back < 10 * NS_PER_S for t in times) for back in returns.tolist()
                 ),
                 "class_1_2": sum(finding.rank in (1, 2) for finding in findings),
-                "class_3_4": sum(finding.rank in (3, 4) for finding in findings),
+                "class_3_4": len({f.id for f in findings if f.rank in (3, 4)}),
             }
         )
     return rows
 
 
-def intervals(log: Log) -> list[dict[str, Any]]:
-    """Slower polling, in learning and watching, with bursts of overload while watching."""
-    days = press_days.fifteen_days()
+def intervals() -> Rows:
+    """Polling over real S7 at 10, 50 and 150 ms, with bursts of overload while watching."""
     rows = []
-    for interval_ms in INTERVALS_MS:
-        interval_ns = interval_ms * 1_000_000
-        slow = polled(log, interval_ns, bursts=False)
+    for interval_ms in press_s7.INTERVALS_MS:
+        log = press_s7.learned_at(interval_ms).log
         for bursts in (False, True):
-            seen = Days(
-                polled(days.log, interval_ns, bursts=bursts),
-                days.happenings,
-                days.days,
-                days.cycles,
-            )
+            days = press_s7.short_days_at(interval_ms, bursts=bursts)
             for mode in MODES_OF_COMPARING:
-                result = scored(seen, watched(learned(slow, mode), seen.log))
                 row = {"interval_ms": interval_ms, "bursts": bursts, "mode": mode}
-                rows.append({**row, **_as_row(result)})
+                gaps = len(days.log.engine.gaps)
+                rows.append({**row, "gaps": gaps, **total(learned(log, mode), [days]).row()})
     return rows
 
 
-def speed(log: Log) -> list[dict[str, Any]]:
+def wear() -> Rows:
+    """An end cushion wears out over a day: when a rising rate is told, and when it fails."""
+    log = press_days.learned_from().log
+    models = {mode: learned(log, mode) for mode in MODES_OF_COMPARING}
+    rows: Rows = []
+    for device in (*press_days.WORN, None):
+        worn = press_days.wearing_out(device)
+        for mode, model in models.items():
+            findings = watched(model, worn.log)
+            rises = [
+                nanoseconds(each.time)
+                for each in findings
+                if each.rank is None and (device is None or each.device == device)
+            ]
+            ones = [nanoseconds(each.time) for each in findings if each.rank == 1]
+            before_h = (ones[0] - rises[0]) / HOUR_NS if ones and rises else None
+            rows.append(
+                {
+                    "worn": device or "nothing",
+                    "mode": mode,
+                    "cycles": worn.cycles,
+                    "notices": len(rises),
+                    "class_1": len(ones),
+                    "told_h_before": before_h,
+                }
+            )
+    return rows
+
+
+def witnesses() -> Rows:
+    """Both models watch fifteen days: incidents between the beginning of a failure and its alarm."""
+    log = press_days.learned_from(cycles=1_000).log
+    settings = cycle_json(Modes(**MODES), REGIONS, Cycle())
+    model = learn_with([log], symbols_csv(SYMBOLS), Parameters(), settings)
+    days = press_days.fifteen_days()
+    findings = list(model.watch(days.log))
+    told = [(nanoseconds(f["time"]), f) for f in findings if f["severity"] != "notice"]
+    one = both = several = 0
+    for failure in days.happenings:
+        if failure.shown_ns is None:
+            continue
+        seen: dict[str, set[str]] = defaultdict(set)
+        until = failure.shown_ns + 5 * NS_PER_S
+        for time_ns, finding in told:
+            if failure.time_ns <= time_ns <= until:
+                seen[finding["incident"]].add(finding["model"])
+        models = [each for each in seen.values() if "cycle" in each]
+        one += len(seen) == 1
+        several += len(seen) > 1
+        both += any(len(each) > 1 for each in models)
+    modes = sum((f["device"] or "") == "Mode" for f in findings)
+    return [
+        {
+            "failures": one + several,
+            "one_incident": one,
+            "several_incidents": several,
+            "two_witnesses": both,
+            "findings_of_mode_bits": modes,
+        }
+    ]
+
+
+def speed() -> list[dict[str, Any]]:
     """The engine alone, and learning of the press."""
+    log = press_days.learned_from().log
     root = Path(__file__).parent.parent
     command = ["cargo", "run", "--release", "-q", "-p", "runglight-engine", "--example", "cycle"]
     engine = subprocess.run(command, cwd=root, check=True, capture_output=True, text=True)
@@ -235,11 +244,15 @@ def speed(log: Log) -> list[dict[str, Any]]:
     ]
 
 
-PARTS: dict[str, Callable[[Log], list[dict[str, Any]]]] = {
+PARTS: dict[str, Callable[[], Rows]] = {
     "table_3": table_3,
+    "stops_unknown": stops_unknown,
+    "s7": s7,
     "month": month,
     "manual": manual,
     "intervals": intervals,
+    "wear": wear,
+    "witnesses": witnesses,
     "speed": speed,
 }
 
@@ -264,16 +277,16 @@ def _cell(value: object) -> str:
 def verdicts(results: dict[str, Any]) -> Table:
     """What was demanded."""
     rows: list[list[str]] = []
-    for row in results.get("table_3", []):
+    for row in [*results.get("s7", []), *results.get("table_3", [])]:
         accuracy, found = row["accuracy"], row["true_positive"]
-        days = f", seed {row['seed']}"
+        days = f", seed {row['seed']}" if "seed" in row else ", over S7"
+        told = f"{share(accuracy, 1)}, {found} of 24, first {row['first']}"
         if row["mode"] == "word":
             met = accuracy >= 0.92 and found >= 21
-            rows.append(["word: accuracy 92 %, 21 of 24" + days, verdict(met)])
+            rows.append(["word: accuracy 92 %, 21 of 24" + days, told, verdict(met)])
         else:
             met = found == 24 and row["first"] >= 22
-            rows.append(["element: 24 of 24, address first in 22" + days, verdict(met)])
-        rows[-1].insert(1, f"{share(accuracy, 1)}, {found} of 24, first {row['first']}")
+            rows.append(["element: 24 of 24, address first in 22" + days, told, verdict(met)])
     for row in results.get("month", []):
         if row["mode"] == "element":
             false = row["class_1_2"]
@@ -281,10 +294,9 @@ def verdicts(results: dict[str, Any]) -> Table:
                 ["element: no false class 1 or 2 in a month", str(false), verdict(not false)]
             )
     for row in results.get("manual", []):
-        if row["mode"] == "element":
-            false = row["returns_with_a_finding"]
-            told = f"{false} of {row['returns']}"
-            rows.append(["element: no finding on return from manual", told, verdict(not false)])
+        false = row["returns_with_a_finding"]
+        told = f"{false} of {row['returns']}"
+        rows.append([f"{row['mode']}: no finding on return", told, verdict(not false)])
     for row in results.get("speed", []):
         words, learning_s = row["words_per_s"], row["learning_s"]
         rows.append(["20 M words/s", f"{words / 1e6:.1f} M", verdict(words >= 20e6)])
@@ -299,9 +311,8 @@ def main() -> None:
     asked = parser.parse_args()
     results = json.loads(LATEST.read_text(encoding="utf-8")) if LATEST.is_file() else {}
     results["machine"] = machine()
-    log = press_days.learned_from().log
     for name in asked.only:
-        results[name] = PARTS[name](log)
+        results[name] = PARTS[name]()
         LATEST.parent.mkdir(parents=True, exist_ok=True)
         LATEST.write_text(json.dumps(results, indent=1) + "\n", encoding="utf-8")
     console = Console()

@@ -119,6 +119,8 @@ class Cycle(Struct, forbid_unknown_fields=True, frozen=True):
     """Sequences looked back on for a rising rate of class 3 and 4 findings."""
     rate_significance: Annotated[float, Meta(gt=0, lt=1)] = 0.01
     """Chance that a rate called rising is not, for all addresses and all time together."""
+    known_stops: Annotated[int, Meta(ge=0, le=1_000_000)] = 3
+    """A stop with the alarm bit ON that learning saw so often is no failure; 0: every one is."""
     auto_bits: Annotated[int, Meta(ge=1, le=128)] = 8
     """Most bits of a region that is proposed."""
     together_s: Positive = 1.0

@@ -33,6 +33,7 @@ def press(runglight: Command, tmp_path: Path) -> Path:
     learned = runglight("learn", "nominal.csv", "-o", "press.model")
     assert learned.returncode == 0, learned.stderr
     assert "cycle machine" in learned.stdout
+    assert "M0.0, M0.1, M0.2 say what the machine is about" in learned.stderr
     return tmp_path / "press.model"
 
 
@@ -75,6 +76,13 @@ def test_a_failure_is_named_by_its_address(press: Path, runglight: Command) -> N
     findings = [json.loads(line) for line in watched.stdout.splitlines()]
     [cause] = [finding for finding in findings if finding["rank"] == 1]
     assert (cause["model"], cause["suspects"][0]["address"]) == ("cycle", "I12.2")
+
+
+def test_the_table_tells_class_and_suspects(press: Path, runglight: Command) -> None:
+    runglight("simulate", "press", "--fault", "clamp2-adv-dead", "--log", "broken.csv")
+    table = runglight("watch", press, "broken.csv").stdout
+    assert "class 1" in table
+    assert "Suspects: I12.2 Clamp2-ADV" in table
 
 
 def test_refusals(press: Path, runglight: Command, refused: Callable[..., str]) -> None:

@@ -1,5 +1,7 @@
 """The press: the signals of the paper's machine, and each failure shows at its address."""
 
+from collections.abc import Callable
+
 import pytest
 
 from runglight.plants import PLANTS
@@ -76,6 +78,57 @@ def test_stops_and_variations_are_no_alarms() -> None:
         bring_on()
         run(press, press.cycles + 3)
     assert press.alarms == ()
+
+
+@pytest.mark.parametrize(
+    ("bring_on", "why"),
+    [
+        (lambda press: press.reach_in(1.0), "Doors-CURTAIN_OK"),
+        (lambda press: press.open_door(20.0), "Doors-FRONT_CLOSED"),
+        (lambda press: press.press_stop(0.5), "Panel-STOP"),
+        (lambda press: press.press_emergency_stop(5.0), "Cabinet-E_STOP_OK"),
+        (lambda press: press.stop_at_end_of_cycle(200.0), "cycle stop"),
+        (lambda press: press.starve(1200.0), "Infeed-WAITING"),
+    ],
+)
+def test_stops_that_are_no_failure_raise_the_alarm_bit(
+    bring_on: Callable[[RunningPress], None], why: str
+) -> None:
+    press = RunningPress(START_NS, seed=4)
+    alarm = len(SYMBOLS) - 1
+    assert SYMBOLS[alarm].address == MODES["alarm"][0]
+    rose: list[int] = []
+    press.on_change(lambda _, number, value: rose.append(value) if number == alarm else None)
+    run(press, 2)
+    assert 1 not in rose
+    bring_on(press)
+    run(press, 6)
+    assert [reason for _, reason in press.stops] == [why]
+    assert press.alarms == ()
+    assert [value for value in rose if value] == [1]
+    assert rose[-1] == 0, "the press goes on without the key"
+
+
+def test_a_worn_cushion_rebounds_more_and_more_until_the_press_stops() -> None:
+    press = RunningPress(START_NS, seed=6)
+    rebounds: list[int] = []
+    sensor = next(n for n, symbol in enumerate(SYMBOLS) if symbol.short_name == "Clamp2-ADV")
+    press.on_change(lambda time_ns, n, value: rebounds.append(time_ns) if n == sensor else None)
+    run(press, 10)
+    sound = len(rebounds)
+    worn_out_ns = press.now_ns + 3 * 3600 * 10**9
+    press.wear_out("Clamp2", 3 * 3600.0)
+    run(press, 180)
+    assert [why for _, why in press.alarms] == ["Clamp2-ADV"]
+    assert press.alarms[0][0] >= worn_out_ns
+    half_ns = worn_out_ns - 3 * 1800 * 10**9
+    life = [time_ns for time_ns in rebounds[sound:] if time_ns < worn_out_ns]
+    early = sum(time_ns < half_ns for time_ns in life)
+    assert len(life) - early > early, "more rebounds in the second half of its life"
+    gone_ns = press.alarms[0][0]
+    run(press, press.cycles + 10)
+    again = [why for time_ns, why in press.alarms if time_ns > gone_ns]
+    assert again == [], "whoever mended it changed it"
 
 
 def test_a_fault_waits_for_its_end_before_it_may_come_again() -> None:

@@ -96,10 +96,11 @@ def watch(machines: dict[int, Machine], readings: list[Reading], width: int) -> 
             by_hand, lost, here = True, True, None
             continue
         back, by_hand = by_hand, False
-        joined = joined or edge
-        if edge or (back and joined):
+        # As learning leaves out a sequence with a pause, so does watching.
+        joined = not back and (joined or edge)
+        if edge and joined:
             told = False
-            if edge and not back and not lost and here not in machines[old or 0].final:
+            if not lost and here not in machines[old or 0].final:
                 kept = machines[old or 0].final
                 ranked = [each for each, _ in candidates(kept, here or 0, width)]
                 found.append(Found(place, "sequence", here, here or 0, ranked))

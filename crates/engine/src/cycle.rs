@@ -20,4 +20,5 @@ pub mod parameters;
 pub mod rate;
 pub mod regions;
 pub mod sequences;
+pub mod stops;
 pub mod witnesses;

@@ -3,6 +3,9 @@
 //! Both see every row; what they find of one event shares an incident. Rows are handed on one
 //! reading at a time, so that the order of findings does not depend on how a log is cut.
 
+pub mod aside;
+pub mod learn;
+
 use std::sync::Arc;
 
 use serde::{Deserialize, Serialize};
@@ -10,7 +13,7 @@ use serde::{Deserialize, Serialize};
 use crate::cycle::model::CycleModel;
 use crate::cycle::monitor::Monitor as CycleMonitor;
 use crate::cycle::witnesses::Witnesses;
-use crate::finding::Finding;
+use crate::finding::{Finding, Kind};
 use crate::log::{Nanoseconds, SECOND, SignalIndex};
 use crate::saved_state;
 use crate::signal_state::events::Row;
@@ -19,12 +22,16 @@ use crate::signal_state::model::NominalModel;
 use crate::signal_state::monitor::{Monitor, MonitorError};
 use crate::signal_state::snapshot::Snapshot;
 
+use self::aside::{Aside, Meaning};
+
 /// Watches one plant with all its models.
 #[derive(Debug, Clone)]
 pub struct JointMonitor {
     /// None where only the cycle machine is watched.
     signal_state: Option<Monitor>,
     cycle: Option<CycleMonitor>,
+    /// Where there are both.
+    aside: Option<Aside>,
     witnesses: Witnesses,
     fresh_for: Nanoseconds,
     now: Nanoseconds,
@@ -38,18 +45,21 @@ struct Saved {
     version: u32,
     signal_state: Vec<u8>,
     cycle: Vec<u8>,
+    aside: Option<Aside>,
     witnesses: Witnesses,
     now: Nanoseconds,
 }
 
-const STATE_VERSION: u32 = 1;
+const STATE_VERSION: u32 = 2;
 
 impl JointMonitor {
     /// A monitor that has seen nothing yet.
     pub fn new(model: Arc<NominalModel>, cycle: Option<Arc<CycleModel>>) -> Self {
         let fresh_for = (model.parameters.return_within_s * SECOND as f64) as Nanoseconds;
+        let signals = model.plant.signals.len();
         Self {
             signal_state: Some(Monitor::new(model)),
+            aside: cycle.as_ref().map(|cycle| Aside::new(&cycle.modes, signals)),
             cycle: cycle.map(CycleMonitor::new),
             witnesses: Witnesses::default(),
             fresh_for,
@@ -70,6 +80,7 @@ impl JointMonitor {
         Ok(Self {
             signal_state: None,
             cycle: Some(cycle),
+            aside: None,
             witnesses: Witnesses::default(),
             fresh_for: 0,
             now: Nanoseconds::MIN,
@@ -99,6 +110,7 @@ impl JointMonitor {
         }
         joint.signal_state = Some(Monitor::restore(model, &saved.signal_state)?);
         joint.cycle = Some(CycleMonitor::restore(cycle, &saved.cycle)?);
+        joint.aside = saved.aside;
         joint.witnesses = saved.witnesses;
         joint.now = saved.now;
         Ok(joint)
@@ -116,6 +128,7 @@ impl JointMonitor {
             version: STATE_VERSION,
             signal_state: signal_state.save(),
             cycle: cycle.save(),
+            aside: self.aside.clone(),
             witnesses: self.witnesses.clone(),
             now: self.now,
         };
@@ -157,7 +170,10 @@ impl JointMonitor {
         let mut findings = Vec::new();
         for reading in rows.chunk_by(|a, b| a.time == b.time) {
             findings.extend(cycle.observe(reading)?);
-            findings.extend(signal_state.observe(reading)?);
+            match &mut self.aside {
+                Some(aside) => findings.extend(hand_on(aside, signal_state, reading)?),
+                None => findings.extend(signal_state.observe(reading)?),
+            }
         }
         Ok(self.placed(findings))
     }
@@ -205,8 +221,23 @@ impl JointMonitor {
             Some(cycle) => cycle.observe(rows)?,
             None => Vec::new(),
         };
-        if let Some(signal_state) = &mut self.signal_state {
-            findings.extend(signal_state.image(rows)?);
+        match (&mut self.signal_state, &mut self.aside) {
+            (Some(signal_state), Some(aside)) => {
+                let (time, was_paused) = (rows.last().map(|row| row.time), aside.is_paused());
+                for row in rows {
+                    aside.take(row.signal, row.value);
+                }
+                if let (Some(time), false) = (time, aside.is_paused()) {
+                    let unknown = rows.iter().filter(|row| !aside.knows(row.signal)).copied();
+                    let mut image: Vec<Row> = unknown.collect();
+                    image.extend(aside.image(time));
+                    findings.extend(signal_state.image(&image)?);
+                } else if let (Some(time), false) = (time, was_paused) {
+                    findings.extend(lose_sight(signal_state, time));
+                }
+            }
+            (Some(signal_state), None) => findings.extend(signal_state.image(rows)?),
+            (None, _) => {}
         }
         self.now = rows.last().map_or(self.now, |row| self.now.max(row.time));
         Ok(self.placed(findings))
@@ -224,7 +255,8 @@ impl JointMonitor {
     pub fn advance(&mut self, now: Nanoseconds) -> Vec<Finding> {
         self.now = self.now.max(now);
         let mut findings = self.cycle.as_mut().map_or_else(Vec::new, |cycle| cycle.advance(now));
-        if let Some(signal_state) = &mut self.signal_state {
+        let paused = self.aside.as_ref().is_some_and(Aside::is_paused);
+        if let Some(signal_state) = self.signal_state.as_mut().filter(|_| !paused) {
             findings.extend(signal_state.advance(now));
         }
         self.placed(findings)
@@ -262,4 +294,43 @@ impl JointMonitor {
         }
         findings
     }
+}
+
+/// Gives the signal-state models the rows of a machine that goes by itself.
+fn hand_on(
+    aside: &mut Aside,
+    signal_state: &mut Monitor,
+    reading: &[Row],
+) -> Result<Vec<Finding>, MonitorError> {
+    let mut findings = Vec::new();
+    let mut own: Vec<Row> = Vec::with_capacity(reading.len());
+    for row in reading {
+        match aside.take(row.signal, row.value) {
+            Meaning::Own => own.push(*row),
+            Meaning::Nothing => {}
+            Meaning::PauseBegins => {
+                findings.extend(signal_state.observe(&own)?);
+                own.clear();
+                findings.extend(lose_sight(signal_state, row.time));
+            }
+            Meaning::PauseEnds => {
+                findings.extend(lose_sight(signal_state, row.time));
+                let image: Vec<Row> = aside.image(row.time).collect();
+                findings.extend(signal_state.image(&image)?);
+            }
+        }
+    }
+    findings.extend(signal_state.observe(&own)?);
+    Ok(findings)
+}
+
+/// What follows has no predecessor; but nothing was missed, so no gap is told.
+fn lose_sight(signal_state: &mut Monitor, time: Nanoseconds) -> Vec<Finding> {
+    let mut findings = signal_state.gap(time, time);
+    findings.retain(|finding| {
+        finding.kind != Kind::Gap
+            || finding.time != time
+            || finding.observed_s.is_some_and(|s| s > 0.0)
+    });
+    findings
 }

@@ -11,6 +11,7 @@ use runglight_engine::cycle::learn::{CycleError, learn};
 use runglight_engine::cycle::localise;
 use runglight_engine::cycle::model::CycleModel;
 use runglight_engine::cycle::parameters::{CycleParameters, ModeSpec, RegionSpecs};
+use runglight_engine::joint::learn::CycleSpec;
 use runglight_engine::log::{ChangeLog, SECOND};
 use runglight_engine::naming::NamingRule;
 use runglight_engine::plant::Plant;
@@ -37,7 +38,11 @@ impl CycleSettings {
             .map_err(|error| errors::input(format!("settings of the cycle machine: {error}")))
     }
 
-    pub fn learn(&self, logs: &[&ChangeLog], plant: &Plant) -> Result<CycleModel, CycleError> {
+    pub fn spec(&self) -> CycleSpec<'_> {
+        (&self.modes, &self.regions, &self.cycle)
+    }
+
+    fn learn(&self, logs: &[&ChangeLog], plant: &Plant) -> Result<CycleModel, CycleError> {
         learn(logs, plant, &self.modes, &self.regions, &self.cycle)
     }
 }
@@ -103,13 +108,31 @@ impl PyCycleModel {
                 })
             })
             .collect();
+        let known_from = u64::from(model.parameters.known_stops);
+        let stops: Vec<Value> = model
+            .stops
+            .iter()
+            .map(|(sign, count)| {
+                let bit = &model.bits[sign.bit as usize];
+                json!({
+                    "signal": bit.name,
+                    "address": bit.address,
+                    "showed": sign.showed,
+                    "value": u8::from(sign.value),
+                    "count": count,
+                    "known": known_from > 0 && count >= known_from,
+                })
+            })
+            .collect();
         let summary = json!({
             "mode": model.parameters.mode,
             "parameters": model.parameters,
             "work_complete": address(model.modes.work_complete.bit),
+            "mode_bits": model.modes.all().map(|mode| address(mode.bit)).collect::<Vec<_>>(),
             "sequences": phases(&|p| json!(model.kept[p])),
             "left_out": phases(&|p| json!(model.left_out[p])),
             "longest_s": phases(&|p| json!(model.longest[p] as f64 / SECOND as f64)),
+            "stops": stops,
             "regions": regions,
         });
         serde_json::to_string(&summary).map_err(errors::input)

@@ -11,9 +11,9 @@ use serde_json::{Value, json};
 
 use runglight_engine::cycle::model::CycleModel;
 use runglight_engine::finding::{Finding, time_text};
+use runglight_engine::joint::learn::learn as learn_both;
 use runglight_engine::log::{ChangeLog, SECOND};
 use runglight_engine::signal_state::chains::ChainIndex;
-use runglight_engine::signal_state::learn::learn as learn_model;
 use runglight_engine::signal_state::model::NominalModel;
 use runglight_engine::signal_state::parameters::Parameters;
 use runglight_engine::symbols::SymbolTable;
@@ -229,17 +229,12 @@ pub fn learn(
         .map_err(|error| errors::input(format!("parameters of learning: {error}")))?;
     let table = SymbolTable::parse(symbols_csv.unwrap_or("address\n")).map_err(errors::input)?;
     let logs: Vec<&ChangeLog> = logs.iter().map(|log| &log.get().log).collect();
-    let model = py.detach(|| learn_model(&logs, &table, &parameters)).map_err(errors::input)?;
-    let cycle = match cycle_json {
-        Some(text) => {
-            let settings = CycleSettings::parse(text)?;
-            let learned = py.detach(|| settings.learn(&logs, &model.plant));
-            Some(Arc::new(learned.map_err(errors::input)?))
-        }
-        None => None,
-    };
+    let settings = cycle_json.map(CycleSettings::parse).transpose()?;
+    let spec = settings.as_ref().map(CycleSettings::spec);
+    let (model, cycle) =
+        py.detach(|| learn_both(&logs, &table, &parameters, spec)).map_err(errors::input)?;
     let provenance = Provenance { created: now_text(), source };
-    Ok(PyNominalModel { model: Arc::new(model), cycle, provenance })
+    Ok(PyNominalModel { model: Arc::new(model), cycle: cycle.map(Arc::new), provenance })
 }
 
 /// Loads a model directory.

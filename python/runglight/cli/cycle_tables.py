@@ -42,6 +42,19 @@ def print_cycle(console: Console, name: str, summary: dict[str, Any]) -> None:
         ),
         soft_wrap=True,
     )
+    known = [stop for stop in summary["stops"] if stop["known"]]
+    if known:
+        console.print(Text(f"stops that are no failure: {'; '.join(map(_stop, known))}"))
+
+
+def mode_bits_text(summary: dict[str, Any]) -> str:
+    """Which bits say what the machine is about, and are no device of it."""
+    bits: list[str] = summary["mode_bits"]
+    are = "says" if len(bits) == 1 else "say"
+    return (
+        f"{', '.join(bits)} {are} what the machine is about: left out of the models of devices; "
+        "what happens in manual or with an alarm is not learned"
+    )
 
 
 def print_machine(console: Console, machine: dict[str, Any]) -> None:
@@ -81,6 +94,13 @@ def bits_text(bits: list[str | None]) -> str:
     """`I8.7 … I8.0`; all of them where they are few."""
     named = [bit or "-" for bit in bits]
     return " ".join(named) if len(named) <= 4 else f"{named[0]} … {named[-1]} ({len(named)})"
+
+
+def _stop(stop: dict[str, Any]) -> str:
+    name = stop["address"] or stop["signal"]
+    value = "ON" if stop["value"] else "OFF"
+    what = "" if stop["showed"] == "came" else "waits for "
+    return f"{what}{name} {value} ({counted(stop['count'], 'time')})"
 
 
 def _state(state: dict[str, Any]) -> str:

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 STYLES = {"fault": "bold red", "anomaly": "yellow", "notice": "dim"}
 CONSEQUENCES_SHOWN = 6
 INCIDENTS_SHOWN = 200
+SUSPECTS_SHOWN = 3
 NARROW = 130
 """Below this many characters, what was expected stands below what happened."""
 
@@ -35,6 +36,7 @@ def newest_lines(findings: Iterable[Finding]) -> list[Finding]:
             first,
             state=finding.state,
             severity=finding.severity,
+            rank=finding.rank or first.rank,
             path=finding.path or first.path,
             snapshot_id=finding.snapshot_id or first.snapshot_id,
         )
@@ -107,6 +109,19 @@ def look_first(incident: Sequence[Finding]) -> str:
     return ", ".join(part for part in parts if part)
 
 
+def suspects_text(finding: Finding) -> str:
+    """`I12.2 Clamp2-ADV, I12.4 Clamp3-ADV`, the likeliest first; empty without a class."""
+    if finding.rank is None:
+        return ""
+    group = f"{finding.group}-"
+    named = [
+        " ".join(filter(None, (each.address, each.signal.removeprefix(group))))
+        for each in finding.suspects
+    ]
+    more = len(named) - SUSPECTS_SHOWN
+    return ", ".join(named[:SUSPECTS_SHOWN]) + (f" and {more} more" if more > 0 else "")
+
+
 def expectation(finding: Finding) -> str:
     """What should have happened, in a few words."""
     prefix = finding.place + "-"
@@ -147,6 +162,8 @@ def _table(incidents: Sequence[Sequence[Finding]], width: int) -> Table:
             what = Text(("└ " if position else "") + finding.message)
             if position == 0 and stalled:
                 what.append(f"\n→ Look first at {look_first(incident)}.", style="bold")
+            if suspects := suspects_text(finding):
+                what.append(f"\nSuspects: {suspects}", "dim")
             table.add_row(*_cells(finding, what, narrow=narrow))
         rest = len(incident) - CONSEQUENCES_SHOWN - 1
         if rest > 0:
@@ -158,6 +175,8 @@ def _cells(finding: Finding, what: Text, *, narrow: bool) -> list[Text]:
     from rich.text import Text  # noqa: PLC0415
 
     severity = Text(finding.severity, STYLES.get(finding.severity, ""))
+    if finding.rank is not None:
+        severity.append(f"\nclass {finding.rank}")
     if finding.state not in {"suspected", "confirmed"}:
         severity.append(f"\n{finding.state}", "dim")
     time = spoken_time(finding.time)

@@ -100,6 +100,21 @@ table = "{SYMBOLS}"
 # false_alarms_per_day = 1.0
 # stall_after_s = 180.0
 
+[modes]
+# Which bits say what the machine is about: with work_complete the cycle machine is learned too,
+# which names the failing address. "M0.2=0" is a bit that says it when OFF.
+# work_complete = "M0.0"
+# manual = "M0.1"
+# alarm = "M0.2"
+
+[regions]
+# Parts of the machine that go their own ways; without any, runglight learn proposes some.
+# actuators = "I8-I20 by byte"
+
+[cycle]
+# A stop with the alarm ON that was learned so often is no failure; 0: every one is.
+# known_stops = 3
+
 [watch]
 # runglight watch MODEL
 # format = "table"

@@ -10,7 +10,7 @@ import msgspec
 from cyclopts import Parameter
 
 from runglight.cli import terminal
-from runglight.cli.cycle_tables import print_cycle
+from runglight.cli.cycle_tables import mode_bits_text, print_cycle
 from runglight.cli.exit_codes import DONE
 from runglight.cli.model_tables import print_summary
 from runglight.cli.reader_options import ReaderOptions, read
@@ -117,7 +117,9 @@ def learn(
     say_unnamed(summary, proposal)
     print_summary(terminal.results(), str(output), summary)
     if model.cycle is not None:
-        print_cycle(terminal.results(), str(output), model.cycle.summary())
+        machine = model.cycle.summary()
+        terminal.note(mode_bits_text(machine))
+        print_cycle(terminal.results(), str(output), machine)
     return DONE
 
 

@@ -10,7 +10,13 @@ from rich.text import Text
 
 from runglight.cli import terminal
 from runglight.cli.counted import counted
-from runglight.cli.finding_table import STYLES, expectation, look_first, spoken_time
+from runglight.cli.finding_table import (
+    STYLES,
+    expectation,
+    look_first,
+    spoken_time,
+    suspects_text,
+)
 from runglight.findings import flat
 from runglight.findings.finding import decode_finding
 
@@ -109,11 +115,14 @@ class People:
         text = Text(f"{spoken_time(finding.time)}  ")
         text.append(f"{finding.severity.upper():<8}", style)
         text.append("└ " if follows else "")
+        text.append(_class(finding))
         if finding.place and finding.place not in finding.message:
             text.append(f"{finding.place}  ", "bold")
         text.append(finding.message)
         if expected := expectation(finding):
             text.append(f"\n{indent}Expected: {expected}", "dim")
+        if suspects := suspects_text(finding):
+            text.append(f"\n{indent}Suspects: {suspects}", "dim")
         if not follows and finding.severity != "notice":
             text.append(f"\n{indent}→ Look first at {look_first([finding])}.", "bold")
         if finding.severity != "notice":
@@ -123,9 +132,14 @@ class People:
     def _change(self, finding: Finding) -> Text:
         text = Text(f"{spoken_time(finding.time)}  ")
         text.append(f"{finding.state:<8} ", "green" if finding.state == "returned" else "bold")
+        text.append(_class(finding))
         text.append(finding.message)
         text.append(f"  id {finding.id}", "dim")
         return text
+
+
+def _class(finding: Finding) -> str:
+    return "" if finding.rank is None else f"class {finding.rank}  "
 
 
 class StatusLine:

@@ -52,6 +52,10 @@ class ScannedPlant(Generic[Value]):
         self._now_ns = max(self._now_ns, now_ns)
         self._cycle.advance(now_ns)
 
+    def next_change_ns(self) -> int | None:
+        """The next PLC scan that may change anything; None while everything stands still."""
+        return self._cycle.next_scan_ns()
+
     def image(self) -> Image:
         """What the last scan shows."""
         return self._image

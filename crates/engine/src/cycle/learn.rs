@@ -2,19 +2,23 @@
 
 use std::borrow::Borrow;
 use std::collections::HashMap;
+use std::sync::Arc;
 
 use thiserror::Error;
 
 use crate::log::ChangeLog;
 use crate::plant::Plant;
+use crate::signal_state::events::Row;
 
 use super::auto;
 use super::image::{Phase, Wiring};
 use super::machine::Machine;
 use super::model::CycleModel;
+use super::monitor::Monitor;
 use super::parameters::{CycleParameters, ModeSpec, RegionSpecs};
 use super::regions::Directory;
 use super::sequences::Sequences;
+use super::stops::Stops;
 
 /// Why no cycle machine can be learned.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -120,7 +124,7 @@ pub fn learn<L: Borrow<ChangeLog>>(
             Phase::ALL.map(|phase| Machine::of(of_region.iter().filter(|s| s.phase == phase)))
         })
         .collect();
-    Ok(CycleModel::assemble(
+    let model = CycleModel::assemble(
         bits.to_vec(),
         regions,
         modes,
@@ -129,5 +133,42 @@ pub fn learn<L: Borrow<ChangeLog>>(
         sequences.left_out,
         sequences.longest,
         machines,
-    ))
+    );
+    Ok(with_stops(model, logs, &maps))
+}
+
+/// Explains the alarms of the learned logs as watching would, and counts what their causes showed.
+fn with_stops<L: Borrow<ChangeLog>>(
+    model: CycleModel,
+    logs: &[L],
+    maps: &[Vec<Option<u32>>],
+) -> CycleModel {
+    if model.parameters.known_stops == 0 || model.modes.alarm.is_empty() {
+        return model;
+    }
+    let model = Arc::new(model);
+    let mut stops = Stops::default();
+    for (log, map) in logs.iter().zip(maps) {
+        stops_of(&model, log.borrow(), map, &mut stops);
+    }
+    CycleModel { stops, ..Arc::unwrap_or_clone(model) }
+}
+
+fn stops_of(model: &Arc<CycleModel>, log: &ChangeLog, map: &[Option<u32>], stops: &mut Stops) {
+    let mut monitor = Monitor::of_learning(Arc::clone(model));
+    let mut gaps = log.gaps.iter().peekable();
+    let rows = log.time.iter().zip(&log.signal).zip(&log.value);
+    for ((&time, &signal), &value) in rows {
+        while let Some(gap) = gaps.next_if(|gap| time >= gap.end) {
+            monitor.gap(gap.start, gap.end);
+        }
+        if let Some(bit) = map[signal as usize] {
+            // Rows of a log are in order.
+            let _ = monitor.observe(&[Row { time, signal: bit, value }]);
+        }
+    }
+    monitor.finish();
+    for signs in monitor.stops_seen() {
+        stops.count(signs);
+    }
 }

@@ -260,6 +260,22 @@ impl Machine {
         }
     }
 
+    /// Words that can follow a state, and how often each did: of the way it was entered where that
+    /// was seen often enough to tell, else of all ways together. The words are the same.
+    pub fn weights(&self, state: State, came: Came) -> Vec<(Word, u64)> {
+        let passes = match came {
+            Came::By(transition) => self.transitions[transition as usize].weight,
+            Came::First => self.nodes[state as usize].initial,
+            Came::Unknown => 0,
+        };
+        let then = self.then(state, came);
+        let so = |to: State| then.iter().find(|then| then.to == to).map_or(0, |then| then.count);
+        self.from(state)
+            .iter()
+            .map(|t| (self.word(t.to), if passes >= EVIDENCE { so(t.to) } else { t.weight }))
+            .collect()
+    }
+
     /// What followed a state and how long it was kept at most: of the way it was entered, or, where
     /// that was seen too seldom to tell, of all ways together.
     pub fn outlook(&self, state: State, came: Came) -> Outlook<'_> {
@@ -325,5 +341,52 @@ impl Machine {
     /// True where nothing was learned.
     pub fn is_empty(&self) -> bool {
         self.nodes.is_empty()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::cycle::image::Phase;
+    use crate::cycle::sequences::Entered;
+
+    fn sequence(words: &[Word]) -> Sequence {
+        let words = words
+            .iter()
+            .zip(0..)
+            .map(|(&word, time)| Entered { word, time, quiet: 1, position: 0 })
+            .collect();
+        Sequence { phase: Phase::Work, words, end: 100 }
+    }
+
+    /// A byte comes by 0 on its way out, and again on its way back.
+    fn there_and_back(cycles: usize) -> Machine {
+        let sequences = vec![sequence(&[2, 0, 1, 0, 2]); cycles];
+        Machine::of(&sequences)
+    }
+
+    #[test]
+    fn what_follows_depends_on_the_way_in_where_that_is_seen_often() {
+        let machine = there_and_back(40);
+        let out = machine.find(2).unwrap_or_default();
+        let between = machine.find(0).unwrap_or_default();
+        let came = Came::By(machine.step(out, 0).unwrap_or_default());
+        let mut weights = machine.weights(between, came);
+        weights.sort_unstable();
+        assert_eq!(weights, [(1, 40), (2, 0)]);
+        let mut pooled = machine.weights(between, Came::Unknown);
+        pooled.sort_unstable();
+        assert_eq!(pooled, [(1, 40), (2, 40)]);
+    }
+
+    #[test]
+    fn a_way_in_that_is_seen_seldom_tells_nothing() {
+        let machine = there_and_back(10);
+        let out = machine.find(2).unwrap_or_default();
+        let between = machine.find(0).unwrap_or_default();
+        let came = Came::By(machine.step(out, 0).unwrap_or_default());
+        let mut weights = machine.weights(between, came);
+        weights.sort_unstable();
+        assert_eq!(weights, [(1, 10), (2, 10)]);
     }
 }

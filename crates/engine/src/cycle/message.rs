@@ -111,6 +111,12 @@ pub fn alarm(message: &str) -> String {
     format!("{message}; the machine has stopped with an alarm since")
 }
 
+/// The machine stopped as it often does, and nothing is broken.
+pub fn known_stop(message: &str, seen: u64) -> String {
+    let first = message.split("; look at").next().unwrap_or_default();
+    format!("{first}; the machine stopped so {seen} times while it was learned: no failure")
+}
+
 /// Back on known words.
 pub fn returned(message: &str) -> String {
     let first = message.split("; look at").next().unwrap_or_default();

@@ -9,9 +9,10 @@ use super::machine::{Machine, Node, State, Then, Transition};
 use super::order::Independence;
 use super::parameters::CycleParameters;
 use super::regions::{BITS_AT_MOST, Bit, Modes, Region, Word};
+use super::stops::{Sign, Stops};
 
 /// Version of `cycles.json`.
-pub const CYCLE_FORMAT: u32 = 1;
+pub const CYCLE_FORMAT: u32 = 2;
 
 /// The cycle machine of a plant.
 #[derive(Debug, Clone)]
@@ -34,6 +35,8 @@ pub struct CycleModel {
     pub machines: Vec<[Machine; 2]>,
     /// Per region, work and set-up: which changes come in either order.
     pub independence: Vec<[Independence; 2]>,
+    /// Stops of the learned logs that were no failure.
+    pub stops: Stops,
     /// Bits to regions and modes.
     pub wiring: Wiring,
 }
@@ -67,6 +70,14 @@ struct Written {
     bits: Vec<Bit>,
     sequences: [WrittenPhase; 2],
     regions: Vec<WrittenRegion>,
+    stops: Vec<WrittenStop>,
+}
+
+#[derive(Serialize, Deserialize)]
+struct WrittenStop {
+    #[serde(flatten)]
+    sign: Sign,
+    count: u64,
 }
 
 #[derive(Serialize, Deserialize)]
@@ -127,6 +138,7 @@ impl CycleModel {
             longest,
             machines,
             independence,
+            stops: Stops::default(),
             wiring,
         }
     }
@@ -186,6 +198,7 @@ impl CycleModel {
                     setup: machine(region, &machines[1]),
                 })
                 .collect(),
+            stops: self.stops.iter().map(|(sign, count)| WrittenStop { sign, count }).collect(),
         };
         serde_json::to_string(&written).unwrap_or_default()
     }
@@ -230,7 +243,14 @@ impl CycleModel {
             [get(&written.sequences[0]), get(&written.sequences[1])]
         };
         let longest = [written.sequences[0].longest_ns, written.sequences[1].longest_ns];
-        Ok(Self::assemble(
+        let mut stops = Stops::default();
+        for stop in written.stops {
+            if !known(stop.sign.bit as usize) {
+                return Err(damaged("a stop names a bit that is not there"));
+            }
+            stops.add(stop.sign, stop.count);
+        }
+        let model = Self::assemble(
             written.bits,
             regions,
             written.modes,
@@ -239,7 +259,8 @@ impl CycleModel {
             of(|phase| phase.left_out),
             longest,
             machines,
-        ))
+        );
+        Ok(Self { stops, ..model })
     }
 
     /// Changes with the model; a saved monitor state fits only its own.

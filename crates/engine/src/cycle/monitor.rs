@@ -25,6 +25,7 @@ use super::model::CycleModel;
 use super::parameters::Comparison;
 use super::rate::Rate;
 use super::regions::Word;
+use super::stops::Sign;
 
 /// Where a region stands: what changes with every step, in the numbers of [`Lanes`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
@@ -72,6 +73,8 @@ struct Open {
     known: u8,
     /// The sequence that never ends: it is over when the phase is.
     never_ends: bool,
+    /// What showed of it, to be compared with stops that are known.
+    signs: Vec<Sign>,
 }
 
 /// Everything that changes while watching.
@@ -120,7 +123,7 @@ struct Saved {
     watch: Watch,
 }
 
-const STATE_VERSION: u32 = 1;
+const STATE_VERSION: u32 = 2;
 
 /// Watches one machine.
 #[derive(Debug, Clone)]
@@ -134,6 +137,8 @@ pub struct Monitor {
     findings: Vec<Finding>,
     /// Findings of the reading being judged, and the words they were made of.
     fresh: Vec<Open>,
+    /// While learning: what the first cause of each alarm showed.
+    stops_seen: Option<Vec<Vec<Sign>>>,
 }
 
 impl Monitor {
@@ -172,7 +177,18 @@ impl Monitor {
             watch,
             findings: Vec::new(),
             fresh: Vec::new(),
+            stops_seen: None,
         }
+    }
+
+    /// A monitor that notes what the alarms of learned logs showed.
+    pub(super) fn of_learning(model: Arc<CycleModel>) -> Self {
+        Self { stops_seen: Some(Vec::new()), ..Self::new(model) }
+    }
+
+    /// What the first cause of each alarm showed.
+    pub(super) fn stops_seen(&self) -> &[Vec<Sign>] {
+        self.stops_seen.as_deref().unwrap_or_default()
     }
 
     /// Takes rows in time order; signals are the bits of the model, others are passed over.

@@ -91,6 +91,31 @@ pub fn skipped(machine: &Machine, from: State, word: Word) -> bool {
     false
 }
 
+/// Words that are awaited, without those of a reading that skipped one: where a nearer word that is
+/// awaited as well leads on to a farther one, the nearer was passed on the way, and gets its count.
+pub fn unskipped(machine: &Machine, from: Word, awaited: Vec<(Word, u64)>) -> Vec<(Word, u64)> {
+    let far = |word: Word| (word ^ from).count_ones();
+    let mut left = awaited;
+    left.sort_by_key(|(word, _)| (far(*word), *word));
+    let mut place = left.len();
+    while place > 0 {
+        place -= 1;
+        let (word, count) = left[place];
+        let leads_on = |near: Word| {
+            far(near) < far(word)
+                && machine.find(near).is_some_and(|state| machine.step(state, word).is_some())
+        };
+        let nearer = (0..place)
+            .filter(|&nearer| leads_on(left[nearer].0))
+            .max_by_key(|&nearer| (left[nearer].1, std::cmp::Reverse(nearer)));
+        if let Some(nearer) = nearer {
+            left[nearer].1 += count;
+            left.remove(place);
+        }
+    }
+    left
+}
+
 /// True where all changes from a state's word to this one come later on a known path, and each
 /// may come before what it overtook. A part of a known change of several bits counts as well.
 pub fn before_its_turn(
@@ -280,5 +305,16 @@ mod tests {
         let start = state(&machine, 0);
         assert!(before_its_turn(&machine, &independence, start, 0b10));
         assert!(!before_its_turn(&machine, &independence, start, 0b100));
+    }
+
+    #[test]
+    fn a_reading_that_skipped_a_word_awaits_the_word_it_skipped() {
+        // 110 waits for 111; polled slowly, 111 is gone again by the next reading.
+        let drills = machine(&[&[0b110, 0b111, 0b000], &[0b110, 0b000], &[0b110, 0b111, 0b011]]);
+        let awaited = vec![(0b000, 80), (0b111, 20), (0b100, 5)];
+        assert_eq!(unskipped(&drills, 0b110, awaited), [(0b100, 5), (0b111, 100)]);
+        // Both are as near: either may come.
+        let either = vec![(0b111, 20), (0b100, 5)];
+        assert_eq!(unskipped(&drills, 0b110, either.clone()).len(), either.len());
     }
 }

@@ -58,6 +58,8 @@ pub struct CycleParameters {
     pub rate_window: u32,
     /// Chance that a rate called rising is not, for all addresses and all time together.
     pub rate_significance: f64,
+    /// A stop with the alarm bit ON that learning saw so often is no failure; 0: every one is.
+    pub known_stops: u32,
     /// Most bits of a proposed region.
     pub auto_bits: usize,
     /// Bits that change within this time switch together.
@@ -72,6 +74,7 @@ impl Default for CycleParameters {
             never_ends_factor: 2.0,
             rate_window: 100,
             rate_significance: 0.01,
+            known_stops: 3,
             auto_bits: 8,
             together_s: 1.0,
         }

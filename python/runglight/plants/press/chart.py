@@ -8,6 +8,9 @@ CLAMPS = tuple(f"Clamp{number}" for number in range(1, 7))
 PUNCHES = tuple(f"Punch{number}" for number in range(1, 5))
 DRILLS = ("Drill1", "Drill2", "Drill3")
 
+PARTS_WITHIN_S = 900.0
+"""Without a part for so long the machine shows that it stands."""
+
 
 @dataclass(frozen=True, slots=True)
 class Step:
@@ -24,6 +27,8 @@ class Step:
     pause_s: float = 0.0
     held: dict[str, str] = field(default_factory=dict)
     """Actuators that have arrived, and the sensor that has to stay on."""
+    waits_for_parts: bool = False
+    """Its watchdog tells of no failure: the line before this machine has run dry."""
 
 
 _Move = tuple[str, bool]
@@ -55,6 +60,7 @@ class _Draft:
         until: tuple[tuple[str, bool], ...] = (),
         watchdog_s: float | None = 5.0,
         pause_s: float = 0.0,
+        waits_for_parts: bool = False,
     ) -> None:
         switched = dict(switch or {})
         conditions = list(until)
@@ -65,7 +71,10 @@ class _Draft:
             conditions.append((f"{device}-{_VALVE[out]}", True))
             conditions.append((f"{device}-{_VALVE[not out]}", False))
         self.steps.append(
-            Step(self.work, switched, tuple(conditions), watchdog_s, pause_s, dict(self.held))
+            Step(
+                self.work, switched, tuple(conditions), watchdog_s, pause_s, dict(self.held),
+                waits_for_parts,
+            )  # fmt: skip
         )
         for device, out in moves:
             self.held[device] = f"{device}-{_VALVE[out]}"
@@ -123,7 +132,12 @@ def _set_up(draft: _Draft) -> None:
     step(*_back("Removal"))
     step(*_back("Grip1"), switch={"Outfeed-BELT": True}, until=(("Removal-PART_ON", False),))
     step(until=(("Outfeed-EXIT", True),), watchdog_s=8.0)
-    step(switch={"Infeed-BELT": True}, until=(("Infeed-WAITING", True),), watchdog_s=None)
+    step(
+        switch={"Infeed-BELT": True},
+        until=(("Infeed-WAITING", True),),
+        watchdog_s=PARTS_WITHIN_S,
+        waits_for_parts=True,
+    )
     step(*_back("Stop1"), until=(("Infeed-AT_STOP", True),), watchdog_s=8.0)
     step(
         *_out("Stop1", "Lift1", "Lift2"),

@@ -10,12 +10,24 @@ from runglight.plants.press.symbols import INPUTS, OUTPUTS
 FILTER_NS = nanoseconds(0.1)
 """A sensor that should stay on may flicker for this long."""
 
+SAFETY = (
+    "Cabinet-E_STOP_OK",
+    "Doors-FRONT_CLOSED",
+    "Doors-REAR_CLOSED",
+    "Doors-LEFT_CLOSED",
+    "Doors-RIGHT_CLOSED",
+    "Doors-LOCKED",
+    "Doors-CURTAIN_OK",
+)
+"""Whoever opens a door or reaches through the light curtain stops the machine; nothing is broken."""
+
 MUST_BE_ON = (
     *(
         symbol.short_name
         for symbol in INPUTS
         if symbol.group == "Checks"
         and symbol.device not in ("OilPump", "Panel")
+        and symbol.short_name not in SAFETY
         and not symbol.device.startswith("Reserve")
         and symbol.short_name != "Hydraulics-PRESSURE"
     ),
@@ -29,7 +41,11 @@ MUST_BE_ON = (
 
 _NUMBER = {symbol.short_name: number for number, symbol in enumerate(INPUTS)}
 _OUTPUT = {symbol.short_name: number for number, symbol in enumerate(OUTPUTS)}
-_MANUAL, _RESET, _START = (_NUMBER[f"Panel-{name}"] for name in ("KEY_MANUAL", "RESET", "START"))
+_MANUAL, _RESET, _START, _STOP = (
+    _NUMBER[f"Panel-{name}"] for name in ("KEY_MANUAL", "RESET", "START", "STOP")
+)
+_SAFETY = tuple(_NUMBER[name] for name in SAFETY)
+_SAFE = itemgetter(*_SAFETY)
 _MUST = tuple(_NUMBER[name] for name in MUST_BE_ON)
 _UNTIL = tuple(tuple((_NUMBER[name], value) for name, value in step.until) for step in STEPS)
 _HELD = tuple(tuple(_NUMBER[name] for name in step.held.values()) for step in STEPS)
@@ -45,11 +61,15 @@ class PressController:
         self.manual = False
         self.alarm: str | None = None
         """The input the HMI shows, by its short name."""
+        self.stopped: str | None = None
+        """Why it stands although nothing is broken: an input, or `cycle stop`."""
         self.jog: dict[str, bool] = {}
         self.cycle_stop = False
         """The operator has asked to stop at the end of the cycle."""
         self.alarms: list[tuple[int, str]] = []
-        """Every alarm: when, and what the HMI showed."""
+        """Every failure: when, and what the HMI showed."""
+        self.stops: list[tuple[int, str]] = []
+        """Every stop that is no failure: when, and why."""
         self._wanted = [False] * len(OUTPUTS)
         for name, value in AT_START.items():
             self._wanted[_OUTPUT[name]] = value
@@ -61,8 +81,8 @@ class PressController:
 
     @property
     def memory(self) -> tuple[bool, ...]:
-        """Work complete, manual, alarm."""
-        return STEPS[self.step].work, self.manual, self.alarm is not None
+        """Work complete, manual, alarm: "the machine has stopped working for any reason"."""
+        return STEPS[self.step].work, self.manual, self._stands
 
     @property
     def settled(self) -> bool:
@@ -81,21 +101,28 @@ class PressController:
         return min((time for time in due if time > self._ran_ns), default=None)
 
     @property
+    def _stands(self) -> bool:
+        return self.alarm is not None or self.stopped is not None
+
+    @property
     def _running(self) -> bool:
-        return not self.manual and self.alarm is None
+        return not self.manual and not self._stands
 
     def scan(self, inputs: Sequence[bool], now_ns: int) -> tuple[bool, ...]:
         """Runs the program once."""
-        before = (self.step, self.manual, self.alarm, self._met_ns, self._entered_ns)
+        before = self._remembered
         self._ran_ns = now_ns
         if inputs[_MANUAL]:
             self.manual = True
             if inputs[_RESET]:
                 self.alarm = None
+                self.stopped = None
             self._entered_ns = None
             self._off_ns.clear()
         elif self.manual and inputs[_START]:
             self.manual = False
+        elif self._may_go_on(inputs):
+            self.stopped = None
         if self._running:
             self._check(inputs, now_ns)
         if self._running:
@@ -104,11 +131,35 @@ class PressController:
         if self.manual:
             for name, value in self.jog.items():
                 outputs[_OUTPUT[name]] = value
-        after = (self.step, self.manual, self.alarm, self._met_ns, self._entered_ns)
-        self._settled = before == after
+        self._settled = before == self._remembered
         return tuple(outputs)
 
+    @property
+    def _remembered(self) -> tuple[object, ...]:
+        return (
+            self.step, self.manual, self.alarm, self.stopped, self._met_ns, self._entered_ns
+        )  # fmt: skip
+
+    def _may_go_on(self, inputs: Sequence[bool]) -> bool:
+        """Stops that end by themselves do; after the others START is pressed."""
+        match self.stopped:
+            case None:
+                return False
+            case "cycle stop":
+                return not self.cycle_stop
+            case "Infeed-WAITING":
+                return inputs[_NUMBER["Infeed-WAITING"]]
+            case _:
+                return inputs[_START] and not inputs[_STOP] and all(_SAFE(inputs))
+
     def _check(self, inputs: Sequence[bool], now_ns: int) -> None:
+        if inputs[_STOP]:
+            self._stop("Panel-STOP", now_ns)
+            return
+        if not all(_SAFE(inputs)):
+            off = next(number for number in _SAFETY if not inputs[number])
+            self._stop(INPUTS[off].short_name, now_ns)
+            return
         # Nearly always all is well.
         if not self._off_ns and all(_WATCHED[self.step](inputs)):
             return
@@ -123,6 +174,7 @@ class PressController:
         step = STEPS[self.step]
         if self._entered_ns is None:
             if self.step == 0 and self.cycle_stop:
+                self._stop("cycle stop", now_ns)
                 return
             self._entered_ns = now_ns
             self._met_ns = None
@@ -135,7 +187,10 @@ class PressController:
             if missing:
                 watchdog_s = step.watchdog_s
                 if watchdog_s and now_ns - self._entered_ns >= nanoseconds(watchdog_s):
-                    self._raise_alarm(missing[0], now_ns)
+                    if step.waits_for_parts:
+                        self._stop(INPUTS[missing[0]].short_name, now_ns)
+                    else:
+                        self._raise_alarm(missing[0], now_ns)
                 return
             self._met_ns = now_ns
         if now_ns - self._met_ns >= nanoseconds(step.pause_s):
@@ -148,6 +203,14 @@ class PressController:
     def _raise_alarm(self, number: int, now_ns: int) -> None:
         self.alarm = INPUTS[number].short_name
         self.alarms.append((now_ns, self.alarm))
+        self._forget()
+
+    def _stop(self, why: str, now_ns: int) -> None:
+        self.stopped = why
+        self.stops.append((now_ns, why))
+        self._forget()
+
+    def _forget(self) -> None:
         self._entered_ns = None
         self._met_ns = None
         self._off_ns.clear()

@@ -57,6 +57,20 @@ class Operator:
         self._later(at_s + 3.4, partial(self._plant.set, "Panel-START", False))
         self._later(at_s + 3.5, self._gone)
 
+    def stop(self, sensor: str, value: bool, for_s: float) -> None:
+        """Reaches in, opens a door or presses a button: the sensor holds `value` for a while.
+
+        Then START is pressed, without the key.
+        """
+        if self.busy:
+            return
+        self.busy = True
+        self._later(0.0, partial(self._plant.set, sensor, value))
+        self._later(for_s, partial(self._plant.set, sensor, not value))
+        self._later(for_s + 1.0, partial(self._plant.set, "Panel-START", True))
+        self._later(for_s + 1.4, partial(self._plant.set, "Panel-START", False))
+        self._later(for_s + 1.5, self._gone)
+
     def _later(self, seconds: float, action: Callable[[], object]) -> None:
         self._agenda.after(nanoseconds(seconds), lambda: _call(action))
 
@@ -66,6 +80,8 @@ class Operator:
 
     def _gone(self) -> None:
         self.busy = False
+        if self._controller.alarm is not None:
+            self.come()
 
 
 def _call(action: Callable[[], object]) -> None:

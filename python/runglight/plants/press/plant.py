@@ -1,13 +1,14 @@
 """The press itself: cylinders, carriages, a spindle drive, belts with parts, safety relays."""
 
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from functools import partial
 from random import Random
 
 from runglight.plants.agenda import Agenda, Appointment, nanoseconds
 from runglight.plants.field_wiring import SensorCard
 from runglight.plants.press.chart import AT_START, CLAMPS, DRILLS, PUNCHES
-from runglight.plants.press.controller import MUST_BE_ON
+from runglight.plants.press.controller import MUST_BE_ON, SAFETY
 from runglight.plants.press.symbols import ACTUATOR_NAMES, CARRIAGES, INPUTS, OUTPUTS
 
 JITTER = 0.07
@@ -44,6 +45,36 @@ _RELAYS: dict[str, tuple[str, ...]] = {
 }
 
 
+REBOUND_AFTER_S = 0.02
+REBOUND_S = 0.03
+WORN_REBOUND_S = 0.06
+"""A sound cushion's rebound, and by how much it is longer at the end of its life."""
+WORN_REBOUNDS = 0.5
+"""Share of arrivals that rebound at the end of its life."""
+FAILED_REBOUND_S = 0.6
+
+
+@dataclass(frozen=True, slots=True)
+class Wear:
+    """How far a cushion's life has gone by; its rebounds grow with the cube of that."""
+
+    since_ns: int
+    life_ns: int
+
+    def share(self, now_ns: int) -> float:
+        """0 for new, 1 and more for failed."""
+        return (now_ns - self.since_ns) / self.life_ns
+
+    def rebound_s(self, now_ns: int, random: Random) -> float | None:
+        """How long the sensor is left for on an arrival now; None: not at all."""
+        share = self.share(now_ns)
+        if share >= 1.0:
+            return FAILED_REBOUND_S
+        if random.random() >= WORN_REBOUNDS * share**3:
+            return None
+        return REBOUND_S + WORN_REBOUND_S * share * random.random()
+
+
 class Cylinder:
     """Moves between two end sensors: one valve, ON is advance."""
 
@@ -51,6 +82,7 @@ class Cylinder:
         self.dead = False
         self.slow_factor = 1.0
         self.bounces = False
+        self.wear: Wear | None = None
         self._plant = plant
         self._name = name
         self._random = plant.random(name)
@@ -84,10 +116,20 @@ class Cylinder:
             ),
             agenda.after(arrival_ns, partial(report, True)),
         ]
+        rebound_s = self._rebound_s()
+        if rebound_s is not None:
+            leaves_ns = arrival_ns + nanoseconds(REBOUND_AFTER_S)
+            self._moves.append(agenda.after(leaves_ns, partial(report, False)))
+            back_ns = leaves_ns + nanoseconds(rebound_s)
+            self._moves.append(agenda.after(back_ns, partial(report, True)))
+
+    def _rebound_s(self) -> float | None:
         if self.bounces:
             self.bounces = False
-            self._moves.append(agenda.after(arrival_ns + nanoseconds(0.02), partial(report, False)))
-            self._moves.append(agenda.after(arrival_ns + nanoseconds(0.05), partial(report, True)))
+            return REBOUND_S
+        if self.wear is None:
+            return None
+        return self.wear.rebound_s(self._plant.agenda.now_ns, self._random)
 
 
 class PressPlant:
@@ -108,7 +150,7 @@ class PressPlant:
         self._on = {symbol.short_name: AT_START.get(symbol.short_name, False) for symbol in OUTPUTS}
         self.jammed: set[str] = set()
         """What does not happen: `Infeed`, `Outfeed`, `Pressure`, `Speed`, `Oil`."""
-        for name in (*MUST_BE_ON, "Inverter-STANDSTILL", "OilPump-SENSOR_LOW", "Panel-LAMPS_OK"):
+        for name in (*MUST_BE_ON, *SAFETY, "Inverter-STANDSTILL", "OilPump-SENSOR_LOW", "Panel-LAMPS_OK"):
             self.set(name, True)
         self.set("Coolant-FLOW_OK", True)
         self.cylinders = {

@@ -10,7 +10,7 @@ from runglight.plants.press.chart import AT_START
 from runglight.plants.press.controller import PressController
 from runglight.plants.press.faults import FAILURES, FAULTS
 from runglight.plants.press.operator import Operator
-from runglight.plants.press.plant import PressPlant
+from runglight.plants.press.plant import PressPlant, Wear
 from runglight.plants.press.symbols import OUTPUTS, SYMBOLS
 from runglight.plants.scanned import ScannedPlant
 
@@ -68,8 +68,13 @@ class RunningPress(ScannedPlant[bool]):
 
     @property
     def alarms(self) -> tuple[tuple[int, str], ...]:
-        """Every alarm of the HMI: when, and the input it names."""
+        """Every failure the HMI showed: when, and the input it names."""
         return tuple(self._controller.alarms)
+
+    @property
+    def stops(self) -> tuple[tuple[int, str], ...]:
+        """Every stop with the alarm bit ON that is no failure: when, and why."""
+        return tuple(self._controller.stops)
 
     def inject(self, fault: int | str, at_ns: int | None = None) -> FaultDescription:
         """Breaks something at the next possible moment after `at_ns` (None: now)."""
@@ -122,6 +127,36 @@ class RunningPress(ScannedPlant[bool]):
     def intervene(self) -> None:
         """An operator takes the machine into manual, moves something, and starts it again."""
         self._operator.come(0.0)
+
+    def reach_in(self, for_s: float = 2.0) -> None:
+        """Somebody reaches through the light curtain; the press stops until START is pressed."""
+        self._stop("Doors-CURTAIN_OK", False, for_s)
+
+    def open_door(self, for_s: float = 60.0) -> None:
+        """Somebody opens the front door: chips, a look at a part."""
+        self._stop("Doors-FRONT_CLOSED", False, for_s)
+
+    def press_stop(self, for_s: float = 0.5) -> None:
+        """Somebody presses STOP."""
+        self._stop("Panel-STOP", True, for_s)
+
+    def press_emergency_stop(self, for_s: float = 30.0) -> None:
+        """The emergency stop is pressed and pulled out again: by mistake, or to try it."""
+        self._stop("Cabinet-E_STOP_OK", False, for_s)
+
+    def _stop(self, sensor: str, value: bool, for_s: float) -> None:
+        # The machine may have stood still since its last event.
+        self._plant.advance(self.now_ns)
+        self._operator.stop(sensor, value, for_s)
+
+    def wear_out(self, device: str, over_s: float) -> None:
+        """A cylinder's end cushion wears out from now on, and has failed after `over_s`.
+
+        It rebounds from its end ever more often and for ever longer, until the sensor drops out
+        for so long that the machine stops. Whoever mends then, changes it.
+        """
+        cylinder = self._plant.cylinders[device]
+        cylinder.wear = Wear(self._plant.agenda.now_ns, nanoseconds(over_s))
 
     def vary(self, device: str, slow_factor: float = 1.35) -> None:
         """The next motion of a cylinder is slower, within what the watchdogs allow."""
@@ -210,6 +245,9 @@ class RunningPress(ScannedPlant[bool]):
         injected.began_ns = plant.agenda.now_ns
 
     def _mend(self) -> None:
+        for cylinder in self._plant.cylinders.values():
+            if cylinder.wear is not None and cylinder.wear.share(self._plant.agenda.now_ns) >= 1.0:
+                cylinder.wear = None
         for each in self._injected:
             if each.began_ns is None or each.passed or each.shown_ns is None:
                 continue

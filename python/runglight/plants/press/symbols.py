@@ -50,7 +50,13 @@ _CHECKS: dict[int, tuple[tuple[str, str], ...]] = {
         ("Coolant", "LEVEL_OK"),
         ("Coolant", "FLOW_OK"),
     ),
-    7: (("Panel", "KEY_MANUAL"), ("Panel", "RESET"), ("Panel", "START"), ("Panel", "LAMPS_OK")),
+    7: (
+        ("Panel", "KEY_MANUAL"),
+        ("Panel", "RESET"),
+        ("Panel", "START"),
+        ("Panel", "LAMPS_OK"),
+        ("Panel", "STOP"),
+    ),
 }
 
 ACTUATORS_BY_BYTE: dict[int, tuple[str, ...]] = {

@@ -17,8 +17,8 @@ const AFTER_THE_CAUSE: Nanoseconds = SECOND;
 const EARLY_EVIDENCE: u64 = 10;
 const EARLY_SHARE: f64 = 0.8;
 
-/// Mode `element`: the manual bit follows the key a scan or two later, so what has no alarm is held
-/// back for a moment.
+/// The manual bit follows the key a scan or two later, so what has no alarm is held back for a
+/// moment.
 const HELD_FOR: Nanoseconds = SECOND / 2;
 
 /// Mean positions closer than this are one.
@@ -49,14 +49,8 @@ impl Monitor {
     pub(super) fn settle(&mut self, time: Nanoseconds, alarm_rose: bool) {
         let mut fresh = std::mem::take(&mut self.fresh);
         if !self.watch.alarm {
-            if self.element {
-                self.watch.held.extend(fresh.into_iter().map(|open| (time, open)));
-                self.watch_the_clock();
-            } else {
-                for open in fresh {
-                    self.tell_suspected(open, time);
-                }
-            }
+            self.watch.held.extend(fresh.into_iter().map(|open| (time, open)));
+            self.watch_the_clock();
             return;
         }
         fresh.extend(std::mem::take(&mut self.watch.held).into_iter().map(|(_, open)| open));
@@ -96,6 +90,11 @@ impl Monitor {
         if causes.is_empty() {
             return;
         }
+        if let Some(seen) = self.known_stop(&causes) {
+            self.tell_known_stop(causes, seen, time);
+            self.stand_still();
+            return;
+        }
         for (place, Cause { mut open, told, .. }) in causes.into_iter().enumerate() {
             let finding = &mut open.finding;
             finding.rank = Some(localise::class(true, place == 0));
@@ -107,6 +106,40 @@ impl Monitor {
             }
             self.tell(open.finding);
         }
+        self.stand_still();
+    }
+
+    /// How often learning saw a stop like this one; `None` where it is a failure, or the first
+    /// cause is not the only one seen just then.
+    fn known_stop(&mut self, causes: &[Cause]) -> Option<u64> {
+        let first = causes.first()?;
+        if let Some(stops) = &mut self.stops_seen {
+            stops.push(first.open.signs.clone());
+        }
+        let known_from = u64::from(self.model.parameters.known_stops);
+        let seen = |cause: &Cause| self.model.stops.known(&cause.open.signs, known_from);
+        let near = causes.iter().filter(|cause| cause.near == NEAR);
+        near.map(seen).fold(seen(first), |all, one| Some(all?.min(one?)))
+    }
+
+    /// A stop that is no failure is told as what has no alarm: class 3.
+    fn tell_known_stop(&mut self, causes: Vec<Cause>, seen: u64, time: Nanoseconds) {
+        for (place, Cause { mut open, told, .. }) in causes.into_iter().enumerate() {
+            if place > 0 && !told {
+                continue;
+            }
+            let finding = &mut open.finding;
+            finding.rank = Some(localise::class(false, place == 0));
+            finding.severity = Severity::Notice;
+            finding.state = Standing::Returned;
+            finding.time = if told { time } else { finding.time };
+            finding.message = message::known_stop(&finding.message, seen);
+            self.tell(open.finding);
+        }
+    }
+
+    /// The alarm has been explained: the machine is watched again once it is over.
+    fn stand_still(&mut self) {
         self.watch.incident = None;
         self.watch.alarm_handled = true;
         self.watch.paused = true;
@@ -227,7 +260,9 @@ impl Monitor {
     }
 
     fn never_ends_at(&self) -> Option<Nanoseconds> {
-        let since = self.watch.sequence_since.filter(|_| !self.watch.never_ends_told)?;
+        // While the alarm says that the machine stands, nobody expects an end.
+        let running = !self.watch.never_ends_told && !self.watch.alarm;
+        let since = self.watch.sequence_since.filter(|_| running)?;
         Some(since.saturating_add(self.model.never_ends_after(self.watch.phase?)?))
     }
 

@@ -156,12 +156,16 @@ impl Monitor {
         }
         let by_hand = std::mem::take(&mut self.watch.by_hand);
         let edge = !first && phase_before != mode.phase;
-        // A sequence is followed from its first word on; `element` joins anywhere.
-        let fresh_start = edge || (paused_before && by_hand && !self.element);
         if edge {
             self.watch.sequences += 1;
         }
-        if edge || self.element {
+        // Whole words are followed from the first of a sequence on, and a sequence in which somebody
+        // moved the machine by hand is left out, as in learning; `element` joins anywhere.
+        if self.element {
+            self.watch.await_edge = false;
+        } else if by_hand {
+            self.watch.await_edge = true;
+        } else if edge {
             self.watch.await_edge = false;
         }
         if edge || paused_before || first {
@@ -169,9 +173,12 @@ impl Monitor {
             self.watch.position = (edge && !paused_before).then_some(0);
             self.watch.never_ends_told = false;
             self.watch_the_clock();
+        } else if alarm_before && !mode.alarm {
+            self.watch.sequence_since = mode.phase.map(|_| time);
+            self.watch_the_clock();
         }
-        if fresh_start && !self.watch.await_edge {
-            let followed = !paused_before && edge;
+        if edge && !self.watch.await_edge {
+            let followed = !paused_before;
             for region in 0..self.watch.here.len() {
                 let ended = !followed || self.end(region, phase_before, time);
                 self.begin(region, time, ended);

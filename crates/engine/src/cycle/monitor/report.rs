@@ -6,6 +6,7 @@ use crate::cycle::image::Phase;
 use crate::cycle::localise::{self, Candidate};
 use crate::cycle::machine::{State, Then};
 use crate::cycle::regions::Word;
+use crate::cycle::stops::{Showed, Sign};
 use crate::cycle::{message, order};
 use crate::finding::{
     Expected, Finding, Kind, Model, Severity, State as Standing, Suspect, stable_id,
@@ -97,12 +98,14 @@ impl Monitor {
                     let (_, count) = then.due(self.watch.position)?;
                     Some((machine.word(then.to), count))
                 };
-                then.iter().filter_map(due).collect()
+                let awaited: Vec<(Word, u64)> = then.iter().filter_map(due).collect();
+                if self.element {
+                    order::unskipped(machine, machine.word(here.state), awaited)
+                } else {
+                    awaited
+                }
             }
-            Departure::Transition { .. } => {
-                let from = from.unwrap_or_default();
-                machine.from(from).iter().map(|t| (machine.word(t.to), t.weight)).collect()
-            }
+            Departure::Transition { from } => machine.weights(from, here.came),
             // It should have stayed.
             Departure::Early => vec![(machine.word(here.before.0), 1)],
             Departure::End { .. } => {
@@ -174,6 +177,7 @@ impl Monitor {
             time,
         );
         let before = from.map_or(word, |state| machine.word(state));
+        let signs = self.signs(region, before, seen, departure, &candidates);
         finding.message =
             message::departure(&model, region, phase, departure_text(departure), before, &finding);
         Some(Open {
@@ -182,7 +186,37 @@ impl Monitor {
             deadline: time.saturating_add(self.alarm_within),
             known: 0,
             never_ends: false,
+            signs,
         })
+    }
+
+    /// What shows of a departure: bits that came out of turn, or are awaited.
+    fn signs(
+        &self,
+        region: usize,
+        before: Word,
+        word: Word,
+        departure: Departure,
+        candidates: &[Candidate],
+    ) -> Vec<Sign> {
+        let best = candidates.first().map_or(word, |candidate| candidate.word);
+        let (showed, mask, values) = match departure {
+            Departure::Transition { .. } => {
+                (Showed::Came, out_of_turn(before, word, candidates), word)
+            }
+            Departure::Early => (Showed::Came, before ^ word, word),
+            Departure::Start => (Showed::Came, best ^ word, word),
+            Departure::Overdue | Departure::End { .. } => (Showed::Awaited, best ^ word, best),
+        };
+        let shown = &self.model.regions[region];
+        let mut signs = Vec::new();
+        for (slot, bit) in shown.slots.iter().enumerate() {
+            if let Some(bit) = bit.filter(|_| mask & shown.mask(slot) != 0) {
+                let value = values & shown.mask(slot) != 0;
+                signs.push(Sign { showed, bit: bit as u32, value });
+            }
+        }
+        signs
     }
 
     /// Mode `element`: the change itself, not the whole word. Where it comes later on a known
@@ -207,10 +241,7 @@ impl Monitor {
             }
             _ => (Vec::new(), OVERTAKEN),
         };
-        let expected = candidates.iter().fold(0, |all, c| all | (c.word ^ left));
-        // Of several changes in one reading the ones that were due are no suspects.
-        let odd = if changed & !expected == 0 { changed } else { changed & !expected };
-        suspects.push((odd, came));
+        suspects.push((out_of_turn(left, word, candidates), came));
         for candidate in candidates {
             let awaited = (candidate.word ^ left) & !changed;
             suspects.push((awaited, AWAITED * candidate.popularity));
@@ -284,6 +315,13 @@ impl Monitor {
             self.findings.push(notice);
         }
     }
+}
+
+/// Of several changes in one reading the ones that were due are not out of turn.
+fn out_of_turn(before: Word, word: Word, candidates: &[Candidate]) -> Word {
+    let changed = before ^ word;
+    let expected = candidates.iter().fold(0, |all, c| all | (c.word ^ before));
+    if changed & !expected == 0 { changed } else { changed & !expected }
 }
 
 /// Section 3.6: the bits in which prediction and failure differ, each candidate's by its score.
