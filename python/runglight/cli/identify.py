@@ -105,6 +105,7 @@ def identify(
         if place is None or not is_recording(place):
             raise InputError(f"--propose: {place or 'a table'} is no recording, so has no photos")
         return propose_to(place, declared.propose, declared.propose_by, output)
+    tau_s = None if settings.tau == SWEEP else duration_s(settings.tau, "--tau")
     subject = _subject(place, configuration)
     if result.accept is not None or result.name is not None:
         accept_address(subject, result.accept, result.name, configuration.symbols)
@@ -112,12 +113,10 @@ def identify(
             return DONE
     events = _events(place, settings, configuration.log, subject)
     sweep = None
-    if settings.tau == SWEEP:
+    if tau_s is None:
         with terminal.working("Trying several tau"):
             sweep = sweep_in(subject, events, view=settings.view, words=settings.words)
         tau_s = sweep.tau_s
-    else:
-        tau_s = duration_s(settings.tau, "--tau")
     _tell(subject, events, sweep, tau_s, settings, output)
     return DONE
 

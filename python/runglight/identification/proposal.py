@@ -95,9 +95,11 @@ def _differing(distances: Floats) -> Flags:
     noise = float(np.median(np.abs(alike - low)))
     if high - low < max(LEAST_DIFFERENCE, CLEAR * noise):
         return none
-    # A photo in doubt goes with its neighbours.
+    # Otsu's threshold may lie anywhere in the gap between the kinds; the middle is safest, and a
+    # photo in doubt goes with its neighbours.
+    middle, doubt = (low + high) / 2, (high - low) / 8
     differing: Flags = thresholds.apply_hysteresis_threshold(
-        distances, threshold - (threshold - low) / 4, threshold + (high - threshold) / 4
+        distances, middle - doubt, middle + doubt
     )
     return differing
 
