@@ -55,6 +55,12 @@ class Axis:
         self._direction = 0
         self._next: Appointment | None = None
 
+    @property
+    def position(self) -> float:
+        """Where it is now: 0 at home, 1 away."""
+        self._settle_position()
+        return self._position
+
     def command(self, outward: bool, homeward: bool) -> None:
         """Follows the two outputs: both or none of them means stand still."""
         direction = int(outward) - int(homeward)
