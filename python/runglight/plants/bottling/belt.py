@@ -94,20 +94,32 @@ class Belt:
                 return bottle
         return None
 
-    def settle(self) -> None:
-        """Brings all positions up to now."""
-        now_ns = self._agenda.now_ns
-        moved_m = (now_ns - self._since_ns) * 1e-9 * SPEED_M_PER_S if self.running else 0.0
-        self._since_ns = now_ns
-        if not moved_m:
-            return
-        self.travel_m += moved_m
+    def travel_at(self, now_ns: int) -> float:
+        """How far the belt will have moved by then, if nothing happens meanwhile."""
+        return self.travel_m + self._moved_m(now_ns)
+
+    def positions_at(self, now_ns: int) -> list[float]:
+        """Where the bottles will be, metres, if nothing happens meanwhile."""
+        moved_m = self._moved_m(now_ns)
+        positions_m: list[float] = []
         ahead_m = float("inf")
         for bottle in self.bottles:
             limit_m = max(min(self._stop_m(bottle), ahead_m - DIAMETER_M), bottle.position_m)
-            bottle.position_m = min(bottle.position_m + moved_m, limit_m)
-            ahead_m = bottle.position_m
+            ahead_m = min(bottle.position_m + moved_m, limit_m)
+            positions_m.append(ahead_m)
+        return positions_m
+
+    def settle(self) -> None:
+        """Brings everything up to now."""
+        now_ns = self._agenda.now_ns
+        travel_m, positions_m = self.travel_at(now_ns), self.positions_at(now_ns)
+        self.travel_m, self._since_ns = travel_m, now_ns
+        for bottle, position_m in zip(self.bottles, positions_m, strict=True):
+            bottle.position_m = position_m
         self.bottles = [each for each in self.bottles if each.position_m < END_M - _NEAR_M]
+
+    def _moved_m(self, now_ns: int) -> float:
+        return (now_ns - self._since_ns) * 1e-9 * SPEED_M_PER_S if self.running else 0.0
 
     def _stop_m(self, bottle: Bottle) -> float:
         """The next closed stop ahead."""

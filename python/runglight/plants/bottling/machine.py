@@ -97,19 +97,19 @@ class BottlingMachine:
                 self._switch(Output(number), value)
         self._arm.command(self._on[Output.ARM_TO_PLACE], self._on[Output.ARM_TO_PICK])
 
-    def scene(self) -> Scene:
-        """What is to be seen now."""
-        self._belt.settle()
+    def scene(self, now_ns: int) -> Scene:
+        """What is to be seen, at most a scan after the last one. Looking changes nothing."""
+        positions_m = self._belt.positions_at(now_ns)
         return Scene(
-            time_ns=self.agenda.now_ns,
+            time_ns=now_ns,
             bottles=tuple(
-                BottleSight(bottle.position_m, self._filled(bottle), bottle.capped)
-                for bottle in self._belt.bottles
+                BottleSight(position_m, self._filled(bottle, now_ns), bottle.capped)
+                for bottle, position_m in zip(self._belt.bottles, positions_m, strict=True)
             ),
-            travel_m=self._belt.travel_m,
+            travel_m=self._belt.travel_at(now_ns),
             open_stops=frozenset(stop for stop in STOPS_M if not self._belt.is_closed(stop)),
             filling=self._filling is not None,
-            arm=self._arm.position,
+            arm=self._arm.position_at(now_ns),
             holds_cap=self._inputs[Input.CAP_GRIPPED],
             green=self._on[Output.GREEN],
             orange=self._on[Output.ORANGE],
@@ -151,18 +151,18 @@ class BottlingMachine:
     def _pour(self, opens: bool) -> None:
         if self._filling is not None:
             bottle, _, _ = self._filling
-            bottle.filled = self._filled(bottle)
+            bottle.filled = self._filled(bottle, self.agenda.now_ns)
             self._filling = None
         below = self._belt.at(STATION_1_M)
         if opens and below is not None:
             rate_per_s = self._nozzle.uniform(0.96, 1.04) / FULL_S
             self._filling = (below, self.agenda.now_ns, rate_per_s)
 
-    def _filled(self, bottle: Bottle) -> float:
+    def _filled(self, bottle: Bottle, now_ns: int) -> float:
         if self._filling is None or self._filling[0] is not bottle:
             return bottle.filled
         _, since_ns, rate_per_s = self._filling
-        return min(bottle.filled + rate_per_s * (self.agenda.now_ns - since_ns) * 1e-9, 1.0)
+        return min(bottle.filled + rate_per_s * (now_ns - since_ns) * 1e-9, 1.0)
 
     def _grip(self, grips: bool) -> None:
         if grips:

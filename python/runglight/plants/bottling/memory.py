@@ -124,7 +124,6 @@ class Memory:
         words[110] = seconds & 0xFFFF
         words[111] = int(self._produces_s / 60)
         words[112] = int(self._belt_s)
-        words[128] = program.produced_in_minute
         words[129] = program.slow_tasks // 10 % 60
         words[142] = program.slow_tasks // 7 % 2
         self._bits[5] = program.slow_tasks // 5 % 2
@@ -160,6 +159,7 @@ class Memory:
         words[32] = words[33] = program.produced
         words[35] = 1_310 + program.produced
         words[36] = ORDER - program.produced
+        words[128] = program.produced_in_minute
         words[34] = message(program)
         words[74] = _selected(outputs, OUTPUTS_1)
         words[75] = _selected(outputs, OUTPUTS_2)

@@ -15,6 +15,8 @@ RUNS_S = (4.0, 14.0)
 STANDS_S = (5.0, 14.0)
 RESPITE_S = (3.0, 8.0)
 """From the selector to the first button, and from the last one to the selector."""
+ACKNOWLEDGES_S = (4.0, 9.0)
+"""From the selector to the start button: the guard is closed, the HMI asks whether all is well."""
 
 
 class Operator:
@@ -43,7 +45,7 @@ class Operator:
 
     def _hand_back(self) -> None:
         self._machine.set(Input.SELECTOR_MANUAL, False)
-        self._press(self._random.uniform(1.5, 3.5), Input.START)
+        self._press(self._random.uniform(*ACKNOWLEDGES_S), Input.START)
         self._produce()
 
     def _press(self, after_s: float, button: Input, for_s: float = 0.4) -> None:

@@ -49,8 +49,7 @@ class RunningBottling(ScannedPlant[bool]):
 
     def scene(self) -> Scene:
         """What is to be seen now: at the time it was advanced to."""
-        self._machine.advance(self.now_ns)
-        return self._machine.scene()
+        return self._machine.scene(self.now_ns)
 
     def expose(self) -> Callable[[], PlantPhoto]:
         """Sees the machine as it stands; what it gives develops the photo."""
