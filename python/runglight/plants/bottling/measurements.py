@@ -14,11 +14,11 @@ class Measurements:
         self.tank_level = 8_200
         self.temperature = 214
         self.air_pressure = 0
-        self.motor_current = 0
-        self.belt_speed = 0
+        self.pump_current = 0
+        self.weight = 0
         self.scan_time_ms = 0
 
-    def measure(self, time_s: float, *, fills: bool, pump: bool, conveyor: bool) -> None:
+    def measure(self, time_s: float, *, fills: bool, pump: bool) -> None:
         """All of them once."""
         gauss = self._random.gauss
         self.pump_pressure = round((2_400 if pump else 300) + gauss(0, 12) - 180 * fills)
@@ -28,6 +28,6 @@ class Measurements:
         self.tank_level += 2_000 * (self.tank_level < 6_000)
         self.temperature = round(214 + 6 * sin(tau * time_s / 1_700) + gauss(0, 0.3))
         self.air_pressure = round(6_000 + 40 * sin(tau * time_s / 23) + gauss(0, 6))
-        self.motor_current = round(conveyor * 870 + gauss(0, 9)) if conveyor else 0
-        self.belt_speed += round((250 * conveyor - self.belt_speed) * 0.6)
+        self.pump_current = round(870 + gauss(0, 9)) if pump else 0
+        self.weight = round(4_000 + 3 * sin(tau * time_s / 90) + gauss(0, 2))
         self.scan_time_ms = round(9 + self._random.random() ** 4 * 6)

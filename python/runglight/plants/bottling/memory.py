@@ -95,7 +95,6 @@ class Memory:
             program.now_ns / NS_PER_S,
             fills=outputs[Output.SHUTTER],
             pump=outputs[Output.PUMP],
-            conveyor=outputs[Output.CONVEYOR],
         )
         measured = self._measurements
         self._belt_s += 0.1 * outputs[Output.CONVEYOR]
@@ -109,8 +108,8 @@ class Memory:
             measured.tank_level,
             measured.temperature,
             measured.air_pressure,
-            measured.motor_current,
-            measured.belt_speed,
+            measured.pump_current,
+            measured.weight,
         )
         words[50:56] = (
             moment.year,

@@ -10,7 +10,7 @@ from runglight.plants.bottling.terminals import Input
 PRODUCTION_S = 300.0
 """Production, from one manual phase to the next."""
 
-JOGS = (4, 6)
+JOGS = (2, 4)
 RUNS_S = (4.0, 14.0)
 STANDS_S = (5.0, 14.0)
 RESPITE_S = (3.0, 8.0)
