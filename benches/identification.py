@@ -1,0 +1,181 @@
+"""The case studies of Cadiou 2019: `python -m benches.identification [--seeds N] [--publish]`.
+
+Records the bottling machine over Modbus TCP (two cases, three minutes each, once a second), lets
+somebody declare what the photos show, with misses and delays, and counts how often the right
+addresses are ranked first. What was recorded is kept in benches/results/identification: started
+again it goes on, and `--part 1/2 --record` in one terminal and `--part 2/2 --record` in another
+share the work. `--publish` makes docs/reference/identification.* of the result.
+"""
+
+import argparse
+import json
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from rich.console import Console
+from runglight.identification.identify import Candidate, Identification
+
+import runglight as rl
+from benches import identification_page
+from benches.agreement import agreement, slack_ns
+from benches.bottling_cases import CASES, SCAN_NS, Case, Recorded
+from benches.bottling_store import kept, until
+from benches.declaring import declared
+
+FOLDER = Path(__file__).parent / "results" / "identification"
+SEEDS = 200
+SEEDS_OF_LENGTHS = 30
+MINUTES = 3.0
+
+MISSED = (0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5)
+OFFSETS_S = (0.0, 1.0, 2.0, 3.0, 4.0, 5.0)
+LENGTHS_MINUTES = (1.0, 2.0, 3.0, 5.0, 7.0, 10.0)
+
+ORDERS = ("paper", "agreement")
+"""By score in, then score out; and, of what that selects, by agreement."""
+
+
+@dataclass(frozen=True, slots=True)
+class Outcome:
+    """What an identification gave."""
+
+    first: bool
+    """A right address is ranked first, alone or beside others that change in the same scans."""
+    rank: int | None
+    """Of the best right address; None where none was selected."""
+    named: str
+    """One that is ranked first although it is wrong; else empty."""
+
+
+def outcome(found: list[tuple[int, Candidate]], case: Case) -> Outcome:
+    """Judges candidates with their ranks, best first, by the machine's truth table."""
+    right = {each.same_as for _, each in found if each.address in case.meaning.addresses}
+    ranks = [rank for rank, each in found if each.same_as in right]
+    wrong = [each.address for rank, each in found if rank == 1 and each.same_as not in right]
+    rank = min(ranks, default=None)
+    return Outcome(rank == 1 and not wrong, rank, wrong[0] if wrong else "")
+
+
+def as_ranked(found: Identification) -> list[tuple[int, Candidate]]:
+    """In the order of the paper."""
+    return [(each.rank, each) for each in found]
+
+
+def by_agreement(found: Identification, events_ns: list[int]) -> list[tuple[int, Candidate]]:
+    """The same candidates, those first whose changes agree best with the events one by one."""
+    events = np.array(events_ns, np.int64)
+    tau_ns = round(found.tau_s * 1e9)
+    scored = [
+        (-round(agreement(events, moments, tau_ns, slack_ns(tau_ns, SCAN_NS)), 4), place, each)
+        for place, (each, moments) in enumerate(zip(found, found.moments(len(found)), strict=True))
+    ]
+    scored.sort(key=lambda item: item[:2])
+    ranks: dict[float, int] = {}
+    return [(ranks.setdefault(score, at + 1), each) for at, (score, _, each) in enumerate(scored)]
+
+
+def judged(recording: Recorded, case: Case, events_ns: list[int]) -> dict[str, Outcome]:
+    """The outcome of each order; nothing right where nothing was declared."""
+    if not events_ns:
+        return dict.fromkeys(ORDERS, Outcome(False, None, ""))
+    events = np.array(events_ns, np.int64)
+    found = rl.identify(recording.log, events, tau_s=case.tau_s)
+    return {
+        "paper": outcome(as_ranked(found), case),
+        "agreement": outcome(by_agreement(found, events_ns), case),
+    }
+
+
+Trials = Iterator[tuple[int, Recorded]]
+
+
+def tally(
+    trials: Trials, case: Case, declare: Callable[[int, Recorded], list[int]]
+) -> dict[str, Any]:
+    """Over several recordings: how often right, the ranks, and what was taken for right."""
+    outcomes = [judged(each, case, declare(seed, each)) for seed, each in trials]
+    told: dict[str, Any] = {"seeds": len(outcomes)}
+    for order in ORDERS:
+        of_order = [each[order] for each in outcomes]
+        ranks = [each.rank for each in of_order]
+        wrong = [each.named for each in of_order if each.named]
+        told[order] = {
+            "first": sum(each.first for each in of_order),
+            "in_first_five": sum(rank is not None and rank <= 5 for rank in ranks),
+            "selected": sum(rank is not None for rank in ranks),
+            "wrong": {name: wrong.count(name) for name in sorted(set(wrong))},
+        }
+    return told
+
+
+def study(seeds: int, seeds_of_lengths: int) -> dict[str, Any]:
+    """Everything."""
+    result: dict[str, Any] = {"minutes": MINUTES, "cases": {}}
+    for case in CASES.values():
+
+        def recordings(case: Case = case) -> Trials:
+            return ((seed, kept(FOLDER, case, seed, MINUTES)) for seed in range(seeds))
+
+        def long_ones(minutes: float, case: Case = case) -> Trials:
+            for seed in range(seeds_of_lengths):
+                yield seed, until(kept(FOLDER, case, seed, LENGTHS_MINUTES[-1]), minutes)
+
+        def somebody(case: Case = case, **error: float) -> Callable[[int, Recorded], list[int]]:
+            return lambda seed, each: declared(
+                each.sights, case.meaning, each.scan_ns, seed, **error
+            )
+
+        result["cases"][case.name] = {
+            "tau_s": case.tau_s,
+            "study": tally(recordings(), case, somebody()),
+            "missed": {
+                f"{each:g}": tally(recordings(), case, somebody(missed=each)) for each in MISSED
+            },
+            "offset_s": {
+                f"{each:g}": tally(recordings(), case, somebody(offset_s=each))
+                for each in OFFSETS_S
+            },
+            "length_minutes": {
+                f"{each:g}": tally(long_ones(each), case, somebody())
+                for each in LENGTHS_MINUTES * bool(seeds_of_lengths)
+            },
+        }
+    return result
+
+
+def record_part(part: str, seeds: int, seeds_of_lengths: int) -> None:
+    """Records what is not there yet; `part` is which share of the seeds, `1/2`."""
+    own, of = (int(number) for number in part.split("/"))
+    for seed in range(own - 1, seeds, of):
+        for case in CASES.values():
+            kept(FOLDER, case, seed, MINUTES)
+    for seed in range(own - 1, seeds_of_lengths, of):
+        for case in CASES.values():
+            kept(FOLDER, case, seed, LENGTHS_MINUTES[-1])
+
+
+def main() -> None:
+    """The command."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--seeds", type=int, default=SEEDS)
+    parser.add_argument("--seeds-of-lengths", type=int, default=SEEDS_OF_LENGTHS)
+    parser.add_argument("--record", action="store_true", help="record only")
+    parser.add_argument("--part", default="1/1", help="1/2: the first of two shares of the seeds")
+    parser.add_argument("--publish", action="store_true", help="docs/reference/identification.*")
+    asked = parser.parse_args()
+    if asked.record:
+        record_part(asked.part, asked.seeds, asked.seeds_of_lengths)
+        return
+    result = study(asked.seeds, asked.seeds_of_lengths)
+    (FOLDER / "study.json").write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
+    for table in identification_page.tables(result):
+        Console().print(table.rich())
+    if asked.publish:
+        identification_page.publish(FOLDER)
+
+
+if __name__ == "__main__":
+    main()
