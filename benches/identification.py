@@ -9,7 +9,7 @@ share the work. `--publish` makes docs/reference/identification.* of the result.
 
 import argparse
 import json
-from collections.abc import Callable, Iterator
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -89,61 +89,47 @@ def judged(recording: Recorded, case: Case, events_ns: list[int]) -> dict[str, O
     }
 
 
-Trials = Iterator[tuple[int, Recorded]]
+Trials = list[tuple[int, Recorded]]
+"""Seeds, and what was recorded with each."""
 
 
-def tally(
-    trials: Trials, case: Case, declare: Callable[[int, Recorded], list[int]]
-) -> dict[str, Any]:
-    """Over several recordings: how often right, the ranks, and what was taken for right."""
-    outcomes = [judged(each, case, declare(seed, each)) for seed, each in trials]
-    told: dict[str, Any] = {"seeds": len(outcomes)}
-    for order in ORDERS:
-        of_order = [each[order] for each in outcomes]
-        ranks = [each.rank for each in of_order]
-        wrong = [each.named for each in of_order if each.named]
-        told[order] = {
-            "first": sum(each.first for each in of_order),
-            "in_first_five": sum(rank is not None and rank <= 5 for rank in ranks),
-            "selected": sum(rank is not None for rank in ranks),
-            "wrong": {name: wrong.count(name) for name in sorted(set(wrong))},
-        }
-    return told
+def tally(case: Case, trials: Trials, **error: float) -> dict[str, Any]:
+    """Over several recordings, declared with an error: how often right, and what was wrong."""
+    outcomes = [
+        judged(each, case, declared(each.sights, case.meaning, each.scan_ns, seed, **error))
+        for seed, each in trials
+    ]
+    return {"seeds": len(outcomes)} | {
+        order: _told([each[order] for each in outcomes]) for order in ORDERS
+    }
 
 
-def study(seeds: int, seeds_of_lengths: int) -> dict[str, Any]:
-    """Everything."""
-    result: dict[str, Any] = {"minutes": MINUTES, "cases": {}}
-    for case in CASES.values():
+def _told(outcomes: list[Outcome]) -> dict[str, Any]:
+    ranks = [each.rank for each in outcomes if each.rank is not None]
+    return {
+        "first": sum(each.first for each in outcomes),
+        "in_first_five": sum(rank <= 5 for rank in ranks),
+        "selected": len(ranks),
+        "wrong": dict(Counter(each.named for each in outcomes if each.named)),
+    }
 
-        def recordings(case: Case = case) -> Trials:
-            return ((seed, kept(FOLDER, case, seed, MINUTES)) for seed in range(seeds))
 
-        def long_ones(minutes: float, case: Case = case) -> Trials:
-            for seed in range(seeds_of_lengths):
-                yield seed, until(kept(FOLDER, case, seed, LENGTHS_MINUTES[-1]), minutes)
-
-        def somebody(case: Case = case, **error: float) -> Callable[[int, Recorded], list[int]]:
-            return lambda seed, each: declared(
-                each.sights, case.meaning, each.scan_ns, seed, **error
-            )
-
-        result["cases"][case.name] = {
-            "tau_s": case.tau_s,
-            "study": tally(recordings(), case, somebody()),
-            "missed": {
-                f"{each:g}": tally(recordings(), case, somebody(missed=each)) for each in MISSED
-            },
-            "offset_s": {
-                f"{each:g}": tally(recordings(), case, somebody(offset_s=each))
-                for each in OFFSETS_S
-            },
-            "length_minutes": {
-                f"{each:g}": tally(long_ones(each), case, somebody())
-                for each in LENGTHS_MINUTES * bool(seeds_of_lengths)
-            },
-        }
-    return result
+def study(case: Case, seeds: int, seeds_of_lengths: int) -> dict[str, Any]:
+    """One case: as it is, and with more and more error."""
+    trials = [(seed, kept(FOLDER, case, seed, MINUTES)) for seed in range(seeds)]
+    longest = LENGTHS_MINUTES[-1]
+    long_ones = [(seed, kept(FOLDER, case, seed, longest)) for seed in range(seeds_of_lengths)]
+    lengths = {
+        f"{minutes:g}": tally(case, [(seed, until(each, minutes)) for seed, each in long_ones])
+        for minutes in LENGTHS_MINUTES
+    }
+    return {
+        "tau_s": case.tau_s,
+        "study": tally(case, trials),
+        "missed": {f"{each:g}": tally(case, trials, missed=each) for each in MISSED},
+        "offset_s": {f"{each:g}": tally(case, trials, offset_s=each) for each in OFFSETS_S},
+        "length_minutes": lengths,
+    }
 
 
 def record_part(part: str, seeds: int, seeds_of_lengths: int) -> None:
@@ -169,7 +155,8 @@ def main() -> None:
     if asked.record:
         record_part(asked.part, asked.seeds, asked.seeds_of_lengths)
         return
-    result = study(asked.seeds, asked.seeds_of_lengths)
+    cases = {case.name: study(case, asked.seeds, asked.seeds_of_lengths) for case in CASES.values()}
+    result = {"minutes": MINUTES, "cases": cases}
     (FOLDER / "study.json").write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
     for table in identification_page.tables(result):
         Console().print(table.rich())
