@@ -124,12 +124,10 @@ def draw(result: dict[str, Any], path: Path) -> None:
         for number, (name, case) in enumerate(result["cases"].items()):
             for order, words in ORDERS.items():
                 points = case[axis]
+                found = [100 * each[order]["first"] / each["seeds"] for each in points.values()]
                 panel.plot(
                     [float(value) for value in points],
-                    [
-                        100 * each[order]["first"] / max(each["seeds"], 1)
-                        for each in points.values()
-                    ],
+                    found,
                     color=f"C{number}",
                     linestyle=":" if order == "paper" else "-",
                     marker="o",

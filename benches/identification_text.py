@@ -29,10 +29,10 @@ holds a group of three or four bottles, and whatever changes three or four times
 as the counter: the eight-second bit of a clock, a bit of the tank's level. Where an event was
 missed, it is better. That it goes on ticking outside of the windows is in the score out, which is
 looked at only between equals.""",
-    "Events from the photos alone": """Nobody declares anything: `runglight identify --propose` finds
-the events in a rectangle of the photos. For the parts it lies behind station 2, where every bottle
-passes (by look, label `away`); for the conveyor on the side of the belt, whose marks move (by
-motion).""",
+    "Events from the photos alone": """Nobody declares anything: `runglight identify --propose`
+finds the events in a rectangle of the photos. For the parts it lies behind station 2, where every
+bottle passes (by look, label `away`); for the conveyor on the side of the belt, whose marks move
+(by motion).""",
 }
 
 TAIL = """
@@ -40,7 +40,8 @@ TAIL = """
 
 - Record what sets your variable apart. What the panel's buttons do, the conveyor does too while it
   is moved by hand; only that it starts by itself afterwards tells them apart. A recording with one
-  such start, and that one not declared, cannot be decided by anybody. The conveyor case has about two.
+  such start, and that one not declared, cannot be decided by anybody. The conveyor case has about
+  two.
 - A wide τ merges windows. Where parts come in groups, a window holds a group, and only the numbers
   count. Take τ no wider than the delay you expect, and let `--tau sweep` suggest one.
 - What means the same changes in the same scans. Four words count bottles, and `identify` says that

@@ -2,8 +2,8 @@
 
 The photos of the case studies are searched for events (`runglight identify --propose`): bottles
 behind station 2 by their look, the belt by its motion. Counts how often those alone give the same
-first rank as the machine's truth. Photos are taken at the times of the scans, as a camera beside the
-recorder would (tests/recording/test_photographed_plant.py shows that they are the same).
+first rank as the machine's truth. Photos are taken at the times of the scans, as a camera beside
+the recorder would (tests/recording/test_photographed_plant.py shows that they are the same).
 """
 
 import argparse
