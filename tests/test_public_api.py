@@ -15,6 +15,7 @@ from tests.conftest import simulated
 PUBLIC = [
     "CycleModel",
     "Findings",
+    "Identification",
     "InputError",
     "Log",
     "ModelError",
@@ -25,10 +26,12 @@ PUBLIC = [
     "RunglightError",
     "__version__",
     "finding_schema",
+    "identify",
     "learn",
     "learn_cycle",
     "load_model",
     "read_log",
+    "sweep_tau",
 ]
 
 

@@ -21,6 +21,8 @@ if TYPE_CHECKING:
     from runglight.errors import InputError, ModelError, RunglightError
     from runglight.findings.batch import Findings
     from runglight.findings.schema import finding_schema
+    from runglight.identification.identify import Identification, identify
+    from runglight.identification.sweep import sweep_tau
     from runglight.log.changelog import Log, read_log
     from runglight.log.options import ReadOptions
     from runglight.model import Monitor, NominalModel, learn, learn_cycle, load_model
@@ -28,6 +30,7 @@ if TYPE_CHECKING:
 __all__ = [
     "CycleModel",
     "Findings",
+    "Identification",
     "InputError",
     "Log",
     "ModelError",
@@ -38,10 +41,12 @@ __all__ = [
     "RunglightError",
     "__version__",
     "finding_schema",
+    "identify",
     "learn",
     "learn_cycle",
     "load_model",
     "read_log",
+    "sweep_tau",
 ]
 
 # Where each public name lives. A plain `import runglight` loads none of these rooms, so that the
@@ -49,6 +54,7 @@ __all__ = [
 _HOMES = {
     "CycleModel": "runglight.cycle_model",
     "Findings": "runglight.findings.batch",
+    "Identification": "runglight.identification.identify",
     "InputError": "runglight.errors",
     "Log": "runglight.log.changelog",
     "ModelError": "runglight.errors",
@@ -59,10 +65,12 @@ _HOMES = {
     "RunglightError": "runglight.errors",
     "__version__": "runglight._engine",
     "finding_schema": "runglight.findings.schema",
+    "identify": "runglight.identification.identify",
     "learn": "runglight.model",
     "learn_cycle": "runglight.model",
     "load_model": "runglight.model",
     "read_log": "runglight.log.changelog",
+    "sweep_tau": "runglight.identification.sweep",
 }
 
 

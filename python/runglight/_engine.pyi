@@ -39,6 +39,10 @@ class ChangeLog:
     @property
     def report_json(self) -> str:
         """What reading did: `{format, rows, bad_rows, bad: [{row, reason}], left_out: [{column, reason}], notes: []}`."""
+    def find_address(self, address: str) -> tuple[str, int | None] | None:
+        """The signal an address is, or the word and the bit of it; None where there is neither."""
+    def split_words(self, words: Sequence[str]) -> ChangeLog:
+        """The same log with some of its words split into one signal per bit that is ever set."""
     def slice(self, offset: int, length: int | None = None) -> ChangeLog:
         """Some of the rows; the gaps among them are kept."""
     def with_signals(self, signals: Sequence[str]) -> ChangeLog:
@@ -108,6 +112,19 @@ class CycleModel:
     def monitor(self, state: bytes | None = None) -> Monitor:
         """Watches the cycle machine alone."""
 
+class Identification:
+    """Signals, and bits of words, in the order in which they fit declared events."""
+
+    def __len__(self) -> int: ...
+    def __arrow_c_stream__(self, requested_schema: object | None = None) -> object:
+        """Columns `rank`, `address`, `name`, `score_in`, `score_out`, `changes`, `same_as`."""
+    def summary_json(self) -> str:
+        """`{start_ns, end_ns, windows: [{start_ns, end_ns, events}], areas_s, unrecorded_ns, changing}`."""
+    def rows_json(self, limit: int | None = None) -> str:
+        """The rows of the table, or the first of them, as a JSON list of objects keyed by column."""
+    def moments(self, log: ChangeLog, limit: int) -> list[Any]:
+        """When the first of the list changed: an int64 array of nanoseconds for each."""
+
 class NominalModel:
     """What was learned of a plant."""
 
@@ -141,6 +158,22 @@ def learn(
     cycle_json: str | None = None,
 ) -> NominalModel:
     """Learns from fault-free logs. `symbols_csv` is the text of a symbol table; `source` says where they are from; `cycle_json` holds `modes`, `regions` and `cycle` where a cycle machine is wanted."""
+
+def identify(
+    log: ChangeLog, events_ns: Any, settings_json: str = "{}", names: dict[str, str] = ...
+) -> Identification:
+    """Ranks signals by events (int64 array); settings `{tau_ns, view, share, words}`; `names` by address."""
+
+def sweep_tau(
+    log: ChangeLog, events_ns: Any, taus_ns: Sequence[int], settings_json: str = "{}"
+) -> str:
+    """`{suggested, steps: [{tau_ns, windows, lead, best: {address, score_in, score_out, changes}, next}]}`."""
+
+def read_events(path: str, options_json: str = "{}") -> tuple[Any, list[str | None], str]:
+    """Times (int64 array, in order), labels, and the report of an `events.csv`. Raises InputError."""
+
+def split_name(naming: str, name: str) -> tuple[str, str, str] | None:
+    """Group, device and signal of a name by a naming rule; None where it does not fit."""
 
 def learn_cycle(
     logs: Sequence[ChangeLog],

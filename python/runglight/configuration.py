@@ -182,6 +182,27 @@ class Record(Struct, forbid_unknown_fields=True):
     """Recording stops before less than this is free on the disk."""
 
 
+class Identify(Struct, forbid_unknown_fields=True):
+    """`[identify]`: how addresses are identified by declared events (Cadiou 2019)."""
+
+    events: str | None = None
+    """Declared events, `events.csv`; of a recording, those in its directory if not named."""
+    label: str | None = None
+    """Which events, where the file holds several kinds."""
+    tau: str = "4s"
+    """A change lies at most this far from its event; `sweep` finds out."""
+    view: Literal["all", "rising", "falling", "increments"] = "all"
+    """Which changes count."""
+    share: Annotated[float, Meta(gt=0, le=1)] = 0.2
+    """Share of the changing signals that is kept."""
+    words: list[str] = []
+    """Signals that are words although only 0 and 1 were seen of them."""
+    rows: Annotated[int, Meta(ge=1)] = 20
+    """Rows of the table; other formats have all."""
+    format: Literal["table", "csv", "json"] = "table"
+    """`table` for people, `csv` for spreadsheets, `json` for programs."""
+
+
 class Show(Struct, forbid_unknown_fields=True):
     """`[show]`: how a model is shown."""
 
@@ -203,6 +224,7 @@ class Configuration(Struct, forbid_unknown_fields=True):
     watch: Watch = field(default_factory=Watch)
     notify: Notify = field(default_factory=Notify)
     server: Server = field(default_factory=Server)
+    identify: Identify = field(default_factory=Identify)
     show: Show = field(default_factory=Show)
 
     def cycle_json(self) -> str | None:
@@ -258,6 +280,7 @@ def load_configuration(path: Path | None = None) -> Configuration:
         (configuration.watch, "output"),
         (configuration.watch, "state"),
         (configuration.watch, "record"),
+        (configuration.identify, "events"),
     ):
         if (value := getattr(owner, key)) is not None:
             setattr(owner, key, str(path.parent / value))

@@ -3,8 +3,10 @@
 //!
 //! Pure computation on columns: no Python, no sockets, no files of its own accord.
 
+pub mod bits;
 pub mod cycle;
 pub mod finding;
+pub mod identify;
 pub mod joint;
 pub mod log;
 pub mod naming;

@@ -1,6 +1,7 @@
 //! Delimited text: long and wide logs, with or without header.
 
 mod dialect;
+mod events;
 mod long;
 mod records;
 mod wide;
@@ -22,6 +23,7 @@ use crate::time::{self, TimeFormat, TimeParser};
 use dialect::Dialect;
 use records::{Found, LINE_MOST, Records};
 
+pub use events::{DeclaredEvents, read_events};
 pub(crate) use write::write;
 
 /// Reads delimited text.

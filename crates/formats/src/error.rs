@@ -5,6 +5,7 @@ use std::fmt;
 use std::io;
 use std::path::{Path, PathBuf};
 
+use runglight_engine::bits::SplitError;
 use runglight_engine::log::LogError;
 use thiserror::Error;
 
@@ -155,6 +156,14 @@ pub enum FormatError {
     /// Columns of a table are out of order or of different length.
     #[error(transparent)]
     Log(#[from] LogError),
+    /// Words cannot be split into bits.
+    #[error("{}: {source}", Shown(path))]
+    Words {
+        /// The file.
+        path: PathBuf,
+        /// Which word, and why.
+        source: SplitError,
+    },
     /// A log cannot be expressed in the format asked for.
     #[error("{}: cannot be written as {format}: {reason}", Shown(path))]
     Unwritable {

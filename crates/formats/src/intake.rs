@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use runglight_engine::bits::split_words;
 use runglight_engine::log::{ChangeLog, Gap, Nanoseconds, SECOND, SignalIndex};
 
 use crate::Reading;
@@ -18,6 +19,8 @@ pub(crate) struct Intake {
     pub(crate) names: SignalNames,
     pub(crate) scan_interval: Option<Nanoseconds>,
     pub(crate) gaps: Vec<Gap>,
+    /// Words that are still to be split into bits.
+    pub(crate) words: Vec<String>,
     on_error: OnError,
     reorder: Nanoseconds,
     newest: Nanoseconds,
@@ -38,6 +41,7 @@ impl Intake {
             names: SignalNames::default(),
             scan_interval: None,
             gaps: Vec::new(),
+            words: options.bits.clone(),
             on_error: options.on_error,
             reorder: reorder_window(path, options)?,
             newest: Nanoseconds::MIN,
@@ -128,6 +132,10 @@ impl Intake {
         };
         // The window was applied row by row; here rows are only put in order.
         log.sort_within(Nanoseconds::MAX)?;
+        if !self.words.is_empty() {
+            log = split_words(&log, &self.words)
+                .map_err(|source| FormatError::Words { path: self.path, source })?;
+        }
         Ok(Reading { log, report: self.report })
     }
 }

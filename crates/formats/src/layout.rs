@@ -163,20 +163,27 @@ pub(crate) fn recognise(
     options: &ReadOptions,
     report: &mut ReadReport,
 ) -> Result<Layout, FormatError> {
-    let search = Search {
-        path,
-        header_row,
-        columns,
-        plain_names: columns.iter().map(|column| plain(&column.name)).collect(),
-    };
-    let converted = search.converted(options)?;
+    let search = Search::of(path, header_row, columns);
+    search.columns_named("analog", options.analog.iter().map(|(column, _)| column))?;
     let time = search.time(options, report)?;
     let mut taken = vec![time.time];
     taken.extend(time.date);
     if let Some(layout) = search.long(options, time, &taken, report)? {
         return Ok(layout);
     }
+    let converted = search.converted(options)?;
     search.wide(&converted, time, &taken, report)
+}
+
+/// Finds the time alone, in a table that holds no log.
+pub(crate) fn time_columns(
+    path: &Path,
+    header_row: u64,
+    columns: &[Column],
+    options: &ReadOptions,
+    report: &mut ReadReport,
+) -> Result<TimeColumns, FormatError> {
+    Search::of(path, header_row, columns).time(options, report)
 }
 
 struct Search<'a> {
@@ -186,7 +193,12 @@ struct Search<'a> {
     plain_names: Vec<String>,
 }
 
-impl Search<'_> {
+impl<'a> Search<'a> {
+    fn of(path: &'a Path, header_row: u64, columns: &'a [Column]) -> Self {
+        let plain_names = columns.iter().map(|column| plain(&column.name)).collect();
+        Self { path, header_row, columns, plain_names }
+    }
+
     fn names(&self) -> Vec<String> {
         self.columns.iter().map(|column| column.name.clone()).collect()
     }
@@ -220,11 +232,19 @@ impl Search<'_> {
 
     /// The columns that analog and bits name: exactly, for a plant may have both `M1` and `M_1`.
     fn converted(&self, options: &ReadOptions) -> Result<Vec<usize>, FormatError> {
-        let analog = options.analog.iter().map(|(column, _)| ("analog", column));
-        let bits = options.bits.iter().map(|column| ("bits", column));
-        analog
-            .chain(bits)
-            .map(|(option, name)| {
+        let mut columns =
+            self.columns_named("analog", options.analog.iter().map(|(column, _)| column))?;
+        columns.extend(self.columns_named("bits", options.bits.iter())?);
+        Ok(columns)
+    }
+
+    fn columns_named<'n>(
+        &self,
+        option: &'static str,
+        names: impl Iterator<Item = &'n String>,
+    ) -> Result<Vec<usize>, FormatError> {
+        names
+            .map(|name| {
                 self.columns.iter().position(|column| column.name == *name).ok_or_else(|| {
                     FormatError::UnknownColumn {
                         path: self.path.to_owned(),

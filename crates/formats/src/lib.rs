@@ -30,6 +30,7 @@ use std::path::Path;
 
 use runglight_engine::log::ChangeLog;
 
+pub use csv::{DeclaredEvents, read_events};
 pub use error::{FormatError, RowFault, TableFault};
 pub use format::Format;
 pub use options::{OnError, ReadOptions};

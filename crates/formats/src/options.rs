@@ -26,7 +26,8 @@ pub struct ReadOptions {
     /// Columns of a wide file with a threshold: the value is 1 at or above it, else 0, without
     /// hysteresis. A column named with several thresholds counts how many are reached.
     pub analog: Vec<(String, f64)>,
-    /// Word columns of a wide file to split into one signal per bit, `COLUMN.0` and up.
+    /// Words to split into one signal per bit, `WORD.0` and up: columns of a wide file, signals
+    /// of any other.
     pub bits: Vec<String>,
     /// What a bad row does.
     pub on_error: OnError,

@@ -1,5 +1,6 @@
 //! Sampled tables to changes: which columns are signals, and when they changed.
 
+use runglight_engine::bits::{BitNames, width_of};
 use runglight_engine::log::{Gap, Nanoseconds, SECOND, SignalIndex};
 
 use crate::error::{FormatError, RowFault, shortened};
@@ -113,11 +114,14 @@ impl Sampler {
 
     /// Hands the changes of the kept columns on.
     pub(crate) fn finish(self, intake: &mut Intake) -> Result<(), FormatError> {
+        // Words are split here, where samples become changes.
+        intake.words.clear();
         let samples = self.times.len() as u64;
         if samples == 0 {
             return Ok(());
         }
         self.report_bad(intake)?;
+        let bits = BitNames::of(self.columns.iter().map(|column| column.name.as_str()));
         let mut signals: Vec<Signals> = Vec::new();
         for column in &self.columns {
             if let Some(reason) = column.verdict(samples) {
@@ -125,7 +129,7 @@ impl Sampler {
                 signals.push(Signals::None);
                 continue;
             }
-            signals.push(column.signals(intake));
+            signals.push(column.signals(bits, intake));
         }
         self.say_spacing(intake);
         self.emit(&signals, intake);
@@ -307,19 +311,13 @@ impl Sampled {
         self.first_bad.iter().all(|(_, reason)| matches!(reason, RowFault::EmptyCell { .. }))
     }
 
-    fn signals(&self, intake: &mut Intake) -> Signals {
+    fn signals(&self, names: BitNames, intake: &mut Intake) -> Signals {
         if self.last.is_none() || !self.split {
             return Signals::One(intake.names.intern(self.name.as_bytes()));
         }
-        // Two's complement of a PLC word: 16 bits where they hold all values, else 32, else 64.
-        let width = match (self.lowest, self.highest) {
-            (-0x8000.., ..=0xFFFF) => 16,
-            (-0x8000_0000.., ..=0xFFFF_FFFF) => 32,
-            _ => 64,
-        };
-        let bits: Vec<(u32, SignalIndex)> = (0..width)
+        let bits: Vec<(u32, SignalIndex)> = (0..width_of(self.lowest, self.highest))
             .filter(|bit| self.ever_set >> bit & 1 == 1)
-            .map(|bit| (bit, intake.names.intern(format!("{}.{bit}", self.name).as_bytes())))
+            .map(|bit| (bit, intake.names.intern(names.name(&self.name, bit).as_bytes())))
             .collect();
         if bits.is_empty() {
             intake.report.leave_out(&self.name, "no bit of it is ever set");

@@ -104,6 +104,20 @@ impl PyChangeLog {
         Ok(Self { log, report_json: self.report_json.clone() })
     }
 
+    /// The signal an address is, or the word and the bit of it.
+    fn find_address(&self, address: &str) -> Option<(String, Option<u32>)> {
+        runglight_engine::bits::find_address(&self.log.signals, address)
+            .map(|(signal, bit)| (signal.to_owned(), bit))
+    }
+
+    /// The same log with some of its words split into bits.
+    fn split_words(&self, py: Python<'_>, words: Vec<String>) -> PyResult<Self> {
+        let log = py
+            .detach(|| runglight_engine::bits::split_words(&self.log, &words))
+            .map_err(errors::input)?;
+        Ok(Self { log, report_json: self.report_json.clone() })
+    }
+
     /// Rows `offset..offset + length`; a gap goes with the first row after it.
     #[pyo3(signature = (offset, length = None))]
     fn slice(&self, offset: usize, length: Option<usize>) -> Self {

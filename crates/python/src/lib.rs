@@ -5,6 +5,7 @@ mod contract;
 mod cycle;
 mod errors;
 mod findings;
+mod identify;
 mod model;
 mod monitor;
 mod stream;
@@ -20,6 +21,7 @@ fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<change_log::PyChangeLog>()?;
     module.add_class::<cycle::PyCycleModel>()?;
     module.add_class::<findings::PyFindings>()?;
+    module.add_class::<identify::PyIdentification>()?;
     module.add_class::<model::PyNominalModel>()?;
     module.add_class::<model::PyRules>()?;
     module.add_class::<monitor::PyMonitor>()?;
@@ -27,6 +29,10 @@ fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(change_log::write_log, module)?)?;
     module.add_function(wrap_pyfunction!(change_log::log_from_columns, module)?)?;
     module.add_function(wrap_pyfunction!(cycle::learn_cycle, module)?)?;
+    module.add_function(wrap_pyfunction!(identify::identify, module)?)?;
+    module.add_function(wrap_pyfunction!(identify::read_events, module)?)?;
+    module.add_function(wrap_pyfunction!(identify::split_name, module)?)?;
+    module.add_function(wrap_pyfunction!(identify::sweep_tau, module)?)?;
     module.add_function(wrap_pyfunction!(model::learn, module)?)?;
     module.add_function(wrap_pyfunction!(model::load_model, module)?)?;
     Ok(())

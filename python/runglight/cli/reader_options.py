@@ -13,7 +13,7 @@ from cyclopts import Parameter
 from runglight.cli import terminal
 from runglight.configuration import Configuration, check_naming, load_configuration
 from runglight.errors import InputError
-from runglight.log.changelog import Log, read_log_with
+from runglight.log.changelog import Log, read_log_with, split_words
 from runglight.log.options import ReadOptions
 from runglight.quantities import duration_s
 from runglight.recording.layout import is_recording
@@ -47,7 +47,7 @@ class ReaderOptions:
     analog: tuple[str, ...] = ()
     "`COLUMN=THRESHOLD[,THRESHOLD…]`: read an analog column as the number of thresholds reached."
     bits: tuple[str, ...] = ()
-    "Word column to split into one signal per bit."
+    "Word to split into one signal per bit: `%MW74` becomes `%MW74.0` and up."
     on_error: Literal["fail", "skip"] | None = None
     "What to do at a row that cannot be read (default: fail). Skipped rows are counted and shown."
     reorder: str | None = None
@@ -118,7 +118,7 @@ def read(path: Path | str | None, options: ReadOptions, *, to_its_end: bool = Fa
             # NumPy is loaded where a recording is read.
             from runglight.recording.read import log_to_its_end  # noqa: PLC0415
 
-            log = log_to_its_end(path)
+            log = split_words(log_to_its_end(path), options.bits)
         else:
             log = read_log_with(path, options)
     for sentence in log.report.sentences(str(log.path)):

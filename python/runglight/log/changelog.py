@@ -126,6 +126,10 @@ class Log:
         """The same rows with other names of the signals, in the order of their indices."""
         return Log(self._engine.with_signals(list(signals)), self.path, self._report)
 
+    def split_words(self, words: Sequence[str]) -> Log:
+        """The same log with some of its words split into one signal per bit that is ever set."""
+        return Log(self._engine.split_words(list(words)), self.path, self._report)
+
     def write(self, path: str | PathLike[str], format: str | None = None) -> int:
         """Writes the log as CSV, Parquet, XES or VCD (by the ending); returns rows written.
 
@@ -164,14 +168,38 @@ def read_log_with(path: str | PathLike[str] | None, options: ReadOptions) -> Log
         from runglight.log.imported import is_imported, read_imported  # noqa: PLC0415
 
         if is_imported(Path(path)):
-            return read_imported(Path(path))
+            return split_words(read_imported(Path(path)), options.bits)
     text = os.fspath(path)
     if is_recording(Path(text)):
         # Loaded when there is one: a recording needs SQLite and NumPy.
         from runglight.recording.read import read_recording  # noqa: PLC0415
 
-        return read_recording(text)
+        return split_words(read_recording(text), options.bits)
     return Log(_engine.read_log(text, options.to_json()), text)
+
+
+def split_words(log: Log, words: Sequence[str]) -> Log:
+    """The log with words split, of a recording also by their addresses.
+
+    A word that was recorded under a name is called by its address again, so that its bits are
+    called by theirs, and a symbol table finds them.
+    """
+    if not words:
+        return log
+    if log.path is not None and is_recording(Path(log.path)):
+        from runglight.recording.description import read_description  # noqa: PLC0415
+
+        recorded = read_description(Path(log.path)).signals
+        address_of = {signal.name: signal.address or signal.name for signal in recorded}
+        wanted = {address_of.get(word, word) for word in words}
+        signals = [
+            name if address_of[name] not in wanted else address_of[name] for name in log.signals
+        ]
+        log, words = log.renamed(signals), sorted(wanted)
+    try:
+        return log.split_words(words)
+    except InputError as error:
+        raise InputError(f"{log.path}: {error}") from None
 
 
 def arrow_table(table: Any) -> Any:

@@ -31,7 +31,7 @@ class ReadOptions(msgspec.Struct, forbid_unknown_fields=True, omit_defaults=True
     analog: dict[str, float | list[float]] = {}
     """Analog columns to band: the value becomes the number of thresholds it has reached."""
     bits: list[str] = []
-    """Integer columns to split into one signal per bit."""
+    """Words to split into one signal per bit: columns of a wide file, signals of any other."""
     on_error: Literal["fail", "skip"] = "fail"
     """What to do at a row that cannot be read."""
     reorder_s: Seconds = 1.0
