@@ -16,14 +16,13 @@ from typing import Any
 
 import numpy as np
 from rich.console import Console
-from runglight.identification.identify import Candidate, Identification
 
 import runglight as rl
 from benches import identification_page
-from benches.agreement import agreement, slack_ns
-from benches.bottling_cases import CASES, SCAN_NS, Case, Recorded
+from benches.bottling_cases import CASES, Case, Recorded
 from benches.bottling_store import kept, until
 from benches.declaring import declared
+from runglight.identification.identify import Identification, Order
 
 FOLDER = Path(__file__).parent / "results" / "identification"
 SEEDS = 200
@@ -34,8 +33,7 @@ MISSED = (0.0, 0.05, 0.1, 0.2, 0.3, 0.4, 0.5)
 OFFSETS_S = (0.0, 1.0, 2.0, 3.0, 4.0, 5.0)
 LENGTHS_MINUTES = (1.0, 2.0, 3.0, 5.0, 7.0, 10.0)
 
-ORDERS = ("paper", "agreement")
-"""By score in, then score out; and, of what that selects, by agreement."""
+ORDERS: tuple[Order, ...] = ("scores", "agreement")
 
 
 @dataclass(frozen=True, slots=True)
@@ -50,31 +48,13 @@ class Outcome:
     """One that is ranked first although it is wrong; else empty."""
 
 
-def outcome(found: list[tuple[int, Candidate]], case: Case) -> Outcome:
-    """Judges candidates with their ranks, best first, by the machine's truth table."""
-    right = {each.same_as for _, each in found if each.address in case.meaning.addresses}
-    ranks = [rank for rank, each in found if each.same_as in right]
-    wrong = [each.address for rank, each in found if rank == 1 and each.same_as not in right]
+def outcome(found: Identification, case: Case) -> Outcome:
+    """Judges what was found by the machine's truth table."""
+    right = {each.same_as for each in found if each.address in case.meaning.addresses}
+    ranks = [each.rank for each in found if each.same_as in right]
+    wrong = [each.address for each in found.first() if each.same_as not in right]
     rank = min(ranks, default=None)
     return Outcome(rank == 1 and not wrong, rank, wrong[0] if wrong else "")
-
-
-def as_ranked(found: Identification) -> list[tuple[int, Candidate]]:
-    """In the order of the paper."""
-    return [(each.rank, each) for each in found]
-
-
-def by_agreement(found: Identification, events_ns: list[int]) -> list[tuple[int, Candidate]]:
-    """The same candidates, those first whose changes agree best with the events one by one."""
-    events = np.array(events_ns, np.int64)
-    tau_ns = round(found.tau_s * 1e9)
-    scored = [
-        (-round(agreement(events, moments, tau_ns, slack_ns(tau_ns, SCAN_NS)), 4), place, each)
-        for place, (each, moments) in enumerate(zip(found, found.moments(len(found)), strict=True))
-    ]
-    scored.sort(key=lambda item: item[:2])
-    ranks: dict[float, int] = {}
-    return [(ranks.setdefault(score, at + 1), each) for at, (score, _, each) in enumerate(scored)]
 
 
 def judged(recording: Recorded, case: Case, events_ns: list[int]) -> dict[str, Outcome]:
@@ -82,10 +62,9 @@ def judged(recording: Recorded, case: Case, events_ns: list[int]) -> dict[str, O
     if not events_ns:
         return dict.fromkeys(ORDERS, Outcome(False, None, ""))
     events = np.array(events_ns, np.int64)
-    found = rl.identify(recording.log, events, tau_s=case.tau_s)
     return {
-        "paper": outcome(as_ranked(found), case),
-        "agreement": outcome(by_agreement(found, events_ns), case),
+        order: outcome(rl.identify(recording.log, events, tau_s=case.tau_s, order=order), case)
+        for order in ORDERS
     }
 
 

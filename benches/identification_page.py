@@ -9,7 +9,7 @@ from benches.tables import Table, share, verdict
 
 REFERENCE = Path(__file__).parents[1] / "docs" / "reference"
 FLOORS = {"study": 0.95, "proposed": 0.90}
-ORDERS = {"paper": "by score in, then score out", "agreement": "by agreement one by one"}
+ORDERS = {"scores": "by score in, then score out", "agreement": "by agreement one by one"}
 _AXES = {
     "missed": "share of events missed",
     "offset_s": "events declared late by, s",
@@ -129,7 +129,7 @@ def draw(result: dict[str, Any], path: Path) -> None:
                     [float(value) for value in points],
                     found,
                     color=f"C{number}",
-                    linestyle=":" if order == "paper" else "-",
+                    linestyle=":" if order == "scores" else "-",
                     marker="o",
                     markersize=3,
                     label=f"{name}, {words}",

@@ -21,9 +21,9 @@ TITLES = {
 same scans as a right one, so that no ranking could tell them apart.
 
 Two orders are compared. *By score in, then score out* is how the paper orders its tables, and what
-`runglight identify` prints. *By agreement* orders what that has selected anew: events and changes
-are matched one by one, all at nearly the same lag, and what finds no partner counts against the
-address (`benches/agreement.py`).""",
+`runglight identify` prints. *By agreement* (`--order agreement`) orders what that has selected
+anew: events and changes are matched one by one, all at nearly the same lag, and what finds no
+partner counts against the address.""",
     "What is ranked first where it is wrong": """The scores compare numbers. With τ = 10 s a window
 holds a group of three or four bottles, and whatever changes three or four times in it is as good
 as the counter: the eight-second bit of a clock, a bit of the tank's level. Where an event was

@@ -12,13 +12,10 @@ import tempfile
 from pathlib import Path
 from typing import Any, Literal
 
-import numpy as np
-from runglight.identification.proposal import propose_events
-
-import runglight as rl
 from benches.bottling_cases import CASES, Case, Recorded
 from benches.bottling_store import kept
-from benches.identification import FOLDER, MINUTES, Outcome, as_ranked, by_agreement, outcome
+from benches.identification import FOLDER, MINUTES, judged
+from runglight.identification.proposal import propose_events
 from runglight.plants.bottling import RunningBottling
 from runglight.plants.bottling.picture import BEHIND_STATION_2, BELT_RECTANGLE, Rectangle
 from runglight.plants.bottling.simulate import START_NS
@@ -51,20 +48,12 @@ def proposed(case: Case, seed: int) -> dict[str, Any]:
         photograph(case, seed, recording, Path(name))
         events = propose_events(name, rectangle, by=by).labelled(label)
     seen = sum(sight.what in case.meaning.seen_as for sight in recording.sights)
-    found = rl.identify(recording.log, events, tau_s=case.tau_s)
-    agreed = by_agreement(found, np.asarray(events.time_ns).tolist())
-    return {
-        "case": case.name,
-        "seed": seed,
-        "seen": seen,
-        "proposed": len(events),
-        "paper": _told(outcome(as_ranked(found), case)),
-        "agreement": _told(outcome(agreed, case)),
+    outcomes = judged(recording, case, events.time_ns.tolist())
+    told: dict[str, Any] = {"case": case.name, "seed": seed, "seen": seen, "proposed": len(events)}
+    return told | {
+        order: {"first": each.first, "rank": each.rank, "wrong": each.named}
+        for order, each in outcomes.items()
     }
-
-
-def _told(each: Outcome) -> dict[str, Any]:
-    return {"first": each.first, "rank": each.rank, "wrong": each.named}
 
 
 def main() -> None:

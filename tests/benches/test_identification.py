@@ -33,7 +33,7 @@ def test_the_right_address_is_found_and_recorded_once(
     others = [int(again.scan_ns[0]) + minute_ns + k * 7_300_000_000 for k in range(3)]
     assert not judged(again, case, others)["agreement"].first
     told = tally(case, [(1, again)], missed=1.0)
-    assert told["paper"]["first"] == told["agreement"]["selected"] == 0
+    assert told["scores"]["first"] == told["agreement"]["selected"] == 0
     half = until(again, 1.5)
     assert len(half.scan_ns) == 91
     assert 0 < len(half.sights) < len(again.sights)

@@ -28,8 +28,8 @@ PARTS = Meaning(
     seen_as=frozenset({Happening.BOTTLE_LEAVES}),
     # The order's counter counts down, in the same scans.
     copies=("%MW32", "%MW33", "%MW35", "%MW36"),
-    # Begins anew every minute.
-    same_thing=("%MW128",),
+    # Begins anew every minute; its lowest bit turns with every bottle, as those of the others do.
+    same_thing=("%MW128", "%MW128.0"),
 )
 
 CONVEYOR = Meaning(

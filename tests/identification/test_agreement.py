@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from benches.agreement import agreement, slack_ns
+from runglight.identification.agreement import agreement, slack_ns
 
 S = 1_000_000_000
 
