@@ -77,7 +77,9 @@ async def recorded(
     begins_s = WARM_UP_S + Random(f"{seed}/recording").uniform(0.0, 1.0)
     async with serve(plant, "modbus://127.0.0.1:0", clock) as plc:
         clock.advance_to(START_NS + nanoseconds(begins_s))
-        async with open_tap(plc.tap_url.replace("10ms", "1s"), clock=clock) as tap:
+        # A computer at its limits is no lost connection.
+        url = plc.tap_url.replace("10ms", "1s&timeout=60s")
+        async with open_tap(url, clock=clock) as tap:
             if aside is not None:
                 aside(plc, clock)
             with Recorder(directory, tap, reserve_bytes=0) as recorder:

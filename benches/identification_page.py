@@ -25,10 +25,7 @@ def tables(result: dict[str, Any]) -> list[Table]:
 def publish(folder: Path) -> None:
     """Writes numbers, picture and page."""
     result = json.loads((folder / "study.json").read_text(encoding="utf-8"))
-    result["proposed"] = [
-        json.loads(path.read_text(encoding="utf-8"))
-        for path in sorted(folder.glob("proposed-*.json"))
-    ]
+    result["proposed"] = json.loads((folder / "proposed.json").read_text(encoding="utf-8"))
     numbers = REFERENCE / "identification.json"
     numbers.write_text(json.dumps(result, indent=1) + "\n", encoding="utf-8")
     draw(result, REFERENCE / "identification.svg")

@@ -12,7 +12,9 @@ import tempfile
 from pathlib import Path
 from typing import Any, Literal
 
-from benches.bottling_cases import CASES, Case, Recorded
+import numpy as np
+
+from benches.bottling_cases import CASES, Case, Integers, Recorded
 from benches.bottling_store import kept
 from benches.identification import FOLDER, MINUTES, judged
 from runglight.identification.proposal import propose_events
@@ -40,15 +42,23 @@ def photograph(case: Case, seed: int, recording: Recorded, directory: Path) -> N
         folder.put(plant.expose()())
 
 
-def proposed(case: Case, seed: int) -> dict[str, Any]:
-    """One seed: the proposed events and what they lead to."""
-    recording = kept(FOLDER, case, seed, MINUTES)
-    rectangle, by, label = WATCHED[case.name]
-    with tempfile.TemporaryDirectory() as name:
-        photograph(case, seed, recording, Path(name))
-        events = propose_events(name, rectangle, by=by).labelled(label)
+def proposed(case: Case, seed: int) -> Integers:
+    """The events of one seed, taken from its photos."""
+    path = FOLDER / f"events-{case.name}-{seed:03d}.json"
+    if not path.exists():
+        rectangle, by, label = WATCHED[case.name]
+        with tempfile.TemporaryDirectory() as name:
+            photograph(case, seed, kept(FOLDER, case, seed, MINUTES), Path(name))
+            events = propose_events(name, rectangle, by=by).labelled(label)
+        path.write_text(json.dumps(events.time_ns.tolist()), encoding="utf-8")
+    return np.array(json.loads(path.read_text(encoding="utf-8")), np.int64)
+
+
+def trial(case: Case, seed: int) -> dict[str, Any]:
+    """What the events of one seed lead to."""
+    recording, events = kept(FOLDER, case, seed, MINUTES), proposed(case, seed)
     seen = sum(sight.what in case.meaning.seen_as for sight in recording.sights)
-    outcomes = judged(recording, case, events.time_ns.tolist())
+    outcomes = judged(recording, case, events.tolist())
     told: dict[str, Any] = {"case": case.name, "seed": seed, "seen": seen, "proposed": len(events)}
     return told | {
         order: {"first": each.first, "rank": each.rank, "wrong": each.named}
@@ -63,12 +73,13 @@ def main() -> None:
     parser.add_argument("--part", default="1/1", help="1/2: the first of two shares of the seeds")
     asked = parser.parse_args()
     own, of = (int(number) for number in asked.part.split("/"))
+    trials: list[dict[str, Any]] = []
     for seed in range(own - 1, asked.seeds, of):
         for case in CASES.values():
-            path = FOLDER / f"proposed-{case.name}-{seed:03d}.json"
-            if not path.exists():
-                path.write_text(json.dumps(proposed(case, seed)) + "\n", encoding="utf-8")
-            print(path.read_text(encoding="utf-8"), end="", flush=True)
+            trials.append(trial(case, seed))
+            print(json.dumps(trials[-1]), flush=True)
+    if of == 1:
+        (FOLDER / "proposed.json").write_text(json.dumps(trials) + "\n", encoding="utf-8")
 
 
 if __name__ == "__main__":

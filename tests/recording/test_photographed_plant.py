@@ -33,7 +33,8 @@ async def photographed(folder: Path, directory: Path, seed: int) -> None:
     plant = RunningBottling(START_NS, seed)
     async with serve(plant, "modbus://127.0.0.1:0", clock) as plc:
         clock.advance_to(START_NS + 10 * NS_PER_S)
-        async with open_tap(plc.tap_url.replace("10ms", "1s"), clock=clock) as tap:
+        url = plc.tap_url.replace("10ms", "1s&timeout=60s")
+        async with open_tap(url, clock=clock) as tap:
             photo_folder = PhotoFolder(folder)
             camera = camera_of(str(folder), directory, clock)
             with Recorder(directory, tap, reserve_bytes=0) as recorder:

@@ -34,26 +34,41 @@ def slack_ns(tau_ns: int, scan_ns: int) -> int:
 def agreement(events_ns: Integers, changes_ns: Integers, tau_ns: int, slack: int) -> float:
     """Twice the matched pairs over events and changes: 1 is best, 0 where nothing fits.
 
-    Lags lie within `tau_ns`, and within `slack` of one another: the densest such place of all
-    lags is taken. Pairs keep their order, so that a pass over both finds the most there are.
+    Lags of pairs lie within `tau_ns`, and within `slack` of one another, wherever most pairs do.
     """
     lags = (events_ns[:, None] - changes_ns[None, :]).ravel()
     lags = np.sort(lags[np.abs(lags) <= tau_ns])
     if not len(lags):
         return 0.0
-    reach = np.searchsorted(lags, lags + slack, "right") - np.arange(len(lags))
-    least = int(lags[int(np.argmax(reach))])
+    # No more pairs than lags in reach; the same event may be in several of those.
+    least = np.unique(lags)
+    reach = np.searchsorted(lags, least + slack, "right") - np.searchsorted(lags, least)
+    most = np.minimum(reach, min(len(events_ns), len(changes_ns)))
     events, changes = events_ns.tolist(), changes_ns.tolist()
+    best = 0
+    for place in np.argsort(-most, kind="stable").tolist():
+        if most[place] <= best:
+            break
+        largest = min(int(least[place]) + slack, tau_ns)
+        best = max(best, _pairs(events, changes, int(least[place]), largest))
+    return 2 * best / (len(events) + len(changes))
+
+
+def _pairs(events: list[int], changes: list[int], least: int, largest: int) -> int:
+    """The most pairs of one event and one change each, with lags from `least` to `largest`.
+
+    The earliest that fit are the best: one pass over both finds the most there are.
+    """
     event = change = pairs = 0
     while event < len(events) and change < len(changes):
         lag = events[event] - changes[change]
         if lag < least:
             event += 1
-        elif lag > least + slack:
+        elif lag > largest:
             change += 1
         else:
             pairs, event, change = pairs + 1, event + 1, change + 1
-    return 2 * pairs / (len(events) + len(changes))
+    return pairs
 
 
 def by_agreement(
