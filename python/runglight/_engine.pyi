@@ -167,10 +167,13 @@ def identify(
 def sweep_tau(
     log: ChangeLog, events_ns: Any, taus_ns: Sequence[int], settings_json: str = "{}"
 ) -> str:
-    """`{suggested, steps: [{tau_ns, windows, lead, best: {address, score_in, score_out, changes}, next}]}`."""
+    """`{suggested, steps: [{tau_ns, windows, met, lead, best: {address, score_in, score_out, changes}, next}]}`."""
 
 def read_events(path: str, options_json: str = "{}") -> tuple[Any, list[str | None], str]:
     """Times (int64 array, in order), labels, and the report of an `events.csv`. Raises InputError."""
+
+def bit_names(signals: Sequence[str], word: str, width: int) -> list[str]:
+    """What the bits of a word are called, lowest first; `signals` tell whose addresses they are."""
 
 def split_name(naming: str, name: str) -> tuple[str, str, str] | None:
     """Group, device and signal of a name by a naming rule; None where it does not fit."""

@@ -74,7 +74,7 @@ def test_the_commands_of_later_versions_are_not_listed(runglight: Command) -> No
     assert helped.returncode == 0
     for command in ("demo", "init", "check", "record", "learn", "show", "watch", "confirm"):
         assert f" {command} " in helped.stdout
-    for later in ("mine", "identify", "serve", "control", "predict"):
+    for later in ("mine", "serve", "control", "predict"):
         assert f" {later} " not in helped.stdout
 
 

@@ -31,6 +31,10 @@ LEARNING = (
     "--scan-interval",
     "--starting",
 )
+IDENTIFY = (
+    *("--format", "--output", "--events", "--label", "--tau", "--view", "--share", "--words"),
+    *("--propose", "--propose-by", "--rows", "--accept", "--name", *READER),
+)
 LIVE = ("--record", "--store", "--publish", "--webhook", "--metrics", "--for")
 INJECTION = (
     *("--faults", "--kinds", "--stuck", "--late", "--late-over", "--early", "--early-under"),
@@ -49,6 +53,7 @@ INJECTION = (
         ("check", ("--config", "--model")),
         ("watch", ("--format", "--output", "--fail-on", "--notices", "--state", *LIVE, *READER)),
         ("confirm", ()),
+        ("identify", IDENTIFY),
         ("import", ("--to", *READER)),
         ("export", ("--to", *READER)),
         ("simulate", ("--log", "--cycles", "--seed", "--fault", "--labels", "--list")),
@@ -87,6 +92,7 @@ def test_the_overview(runglight: Command) -> None:
             "show",
             "watch",
             "confirm",
+            "identify",
             "import",
             "export",
             "simulate",

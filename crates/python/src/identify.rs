@@ -8,6 +8,7 @@ use arrow_array::{ArrayRef, Float64Array, RecordBatch, StringArray, UInt32Array}
 use numpy::{IntoPyArray, PyArray1, PyReadonlyArray1};
 use pyo3::prelude::*;
 use pyo3::types::PyCapsule;
+use runglight_engine::bits::BitNames;
 use runglight_engine::identify::ranking::Ranked;
 use runglight_engine::identify::sweep::{suggested, sweep};
 use runglight_engine::identify::trace::trace;
@@ -198,7 +199,7 @@ pub fn sweep_tau(
     let swept = json!({
         "suggested": suggested(&steps),
         "steps": steps.iter().map(|step| json!({
-            "tau_ns": step.tau, "windows": step.windows, "lead": step.lead,
+            "tau_ns": step.tau, "windows": step.windows, "met": step.met, "lead": step.lead,
             "best": told(&step.best), "next": told(&step.next),
         })).collect::<Vec<_>>(),
     });
@@ -210,6 +211,13 @@ pub fn sweep_tau(
 pub fn split_name(naming: &str, name: &str) -> PyResult<Option<(String, String, String)>> {
     let rule = NamingRule::parse(naming).map_err(errors::input)?;
     Ok(rule.split(name).map(|split| (split.group, split.device, split.signal)))
+}
+
+/// What the bits of a word are called among the other signals of its log.
+#[pyfunction]
+pub fn bit_names(signals: Vec<String>, word: &str, width: u32) -> Vec<String> {
+    let names = BitNames::of(signals.iter().map(String::as_str));
+    (0..width.min(64)).map(|bit| names.name(word, bit)).collect()
 }
 
 type Events<'py> = (Bound<'py, PyArray1<i64>>, Vec<Option<String>>, String);

@@ -29,6 +29,7 @@ fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(change_log::write_log, module)?)?;
     module.add_function(wrap_pyfunction!(change_log::log_from_columns, module)?)?;
     module.add_function(wrap_pyfunction!(cycle::learn_cycle, module)?)?;
+    module.add_function(wrap_pyfunction!(identify::bit_names, module)?)?;
     module.add_function(wrap_pyfunction!(identify::identify, module)?)?;
     module.add_function(wrap_pyfunction!(identify::read_events, module)?)?;
     module.add_function(wrap_pyfunction!(identify::split_name, module)?)?;

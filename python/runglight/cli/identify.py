@@ -145,7 +145,7 @@ def _tell(  # noqa: PLR0917
     if (lost := len(found.unrecorded_ns)) > 0:
         were = "event lies" if lost == 1 else "events lie"
         terminal.note(f"{lost:,} {were} where nothing was recorded: left out")
-    if sweep is not None and settings.format != "json":
+    if sweep is not None and settings.format == "csv":
         terminal.note(sweep.reason())
     with output_to(output) as stream:
         if settings.format == "csv":

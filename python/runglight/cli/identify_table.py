@@ -78,10 +78,12 @@ def print_sweep(console: Console, sweep: Sweep) -> None:
         table.add_column(heading, overflow="fold")
         table.add_column("Score in", justify="right")
         table.add_column("Score out", justify="right")
+    table.add_column("Met", justify="right")
     table.add_column("Lead", justify="right")
     for at, step in enumerate(sweep.steps):
         table.add_row(*_step(step), style="bold" if at == sweep.suggested else "")
     console.print(table)
+    console.print(Text(sweep.reason()), soft_wrap=True)
 
 
 def _step(step: Step) -> list[Text | str]:
@@ -96,7 +98,7 @@ def _step(step: Step) -> list[Text | str]:
                 f"{contender.score_out:.4f}",
             ]
         )
-    return [*cells, f"{step.lead:.2f}"]
+    return [*cells, f"{step.met:.1f}", f"{step.lead:.1f}"]
 
 
 def _title(found: Identification, events: Events) -> str:

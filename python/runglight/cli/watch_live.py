@@ -27,6 +27,7 @@ from runglight.quantities import duration_s
 from runglight.recording.recorder import Recorder
 from runglight.taps import open_tap
 from runglight.taps.named import NamedTap
+from runglight.taps.split import SplitTap
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -104,6 +105,8 @@ async def _watched(  # noqa: PLR0917
 
 def _named(tap: Tap, configuration: Configuration) -> Tap:
     symbols = configuration.symbols
+    if configuration.log.bits:
+        tap = SplitTap(tap, configuration.log.bits)
     if symbols.table is None:
         return tap
     # So that a recording has the names too.

@@ -61,13 +61,14 @@ class _Vision:
     def __init__(self) -> None:
         try:
             from PIL import Image  # noqa: PLC0415
-            from skimage.registration import phase_cross_correlation  # noqa: PLC0415
+            from skimage import registration  # noqa: PLC0415
         except ModuleNotFoundError:
             raise InputError(
                 'looking at photos needs pillow and scikit-image: pip install "runglight[vision]"'
             ) from None
         self._image = Image
-        self._register = phase_cross_correlation
+        # scikit-image is not typed throughout.
+        self._registration: Any = registration
         self.width = self.height = 0
 
     def overview(self, photo: Photo, rectangle: Rectangle) -> Floats:
@@ -75,7 +76,7 @@ class _Vision:
         image = self._open(photo)
         if (self.width, self.height) == (0, 0):
             self.width, self.height = image.size
-            rectangle.check_within(*image.size, str(photo.path))
+            rectangle.check_within(self.width, self.height, str(photo.path))
         if image.size != (self.width, self.height):
             raise InputError(
                 f"{photo.path}: has {image.size[0]} x {image.size[1]} pixels, the photos before "
@@ -90,7 +91,9 @@ class _Vision:
         grey = [_structure(picture.mean(axis=2)) for picture in (usual, overview)]
         if min(grey[0].shape) < 8 or not all(picture.any() for picture in grey):
             return 0, 0
-        shift, *_ = self._register(grey[0], grey[1], upsample_factor=10, normalization=None)
+        shift, *_ = self._registration.phase_cross_correlation(
+            *grey, upsample_factor=10, normalization=None
+        )
         scale = self.width / usual.shape[1]
         down, right = -float(shift[0]) * scale, -float(shift[1]) * scale
         if max(abs(down), abs(right)) > MOST_SHAKEN * self.width:
@@ -118,7 +121,8 @@ def _structure(picture: Floats) -> Floats:
     """Edges: what stays where it is in any light."""
     down, right = np.gradient(picture)
     edges = np.hypot(down, right)
-    return edges - edges.mean()
+    centred: Floats = edges - edges.mean()
+    return centred
 
 
 def _outside(

@@ -10,7 +10,7 @@ stands again (`stops`), for belts that never look alike twice.
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import numpy as np
 
@@ -74,17 +74,20 @@ def _distances(seen: Floats, others: Floats) -> Floats:
     """How much each photo differs, 0 to 255, in the cells that differ most."""
     by_cell = np.sqrt(((seen - others) ** 2).mean(axis=-1)).reshape(len(seen), -1)
     busiest = max(1, round(by_cell.shape[1] * BUSIEST))
-    return np.sort(by_cell, axis=1)[:, -busiest:].mean(axis=1)
+    distances: Floats = np.sort(by_cell, axis=1)[:, -busiest:].mean(axis=1)
+    return distances
 
 
 def _differing(distances: Floats) -> Flags:
     """Which photos differ: none where they do not fall clearly into two kinds."""
-    from skimage.filters import apply_hysteresis_threshold, threshold_otsu  # noqa: PLC0415
+    from skimage import filters  # noqa: PLC0415
 
+    # scikit-image is not typed throughout.
+    thresholds: Any = filters
     none = np.zeros(len(distances), bool)
     if distances.max() - distances.min() < LEAST_DIFFERENCE:
         return none
-    threshold = float(threshold_otsu(distances))
+    threshold = float(thresholds.threshold_otsu(distances))
     alike, different = distances[distances <= threshold], distances[distances > threshold]
     if not len(alike) or not len(different):
         return none
@@ -93,9 +96,10 @@ def _differing(distances: Floats) -> Flags:
     if high - low < max(LEAST_DIFFERENCE, CLEAR * noise):
         return none
     # A photo in doubt goes with its neighbours.
-    return apply_hysteresis_threshold(
+    differing: Flags = thresholds.apply_hysteresis_threshold(
         distances, threshold - (threshold - low) / 4, threshold + (high - threshold) / 4
     )
+    return differing
 
 
 def _changes(times: npt.NDArray[np.int64], away: Flags) -> Events:

@@ -1,4 +1,4 @@
-"""Which τ? Every one of a list is tried, and the one suggested that sets the best signal apart."""
+"""Which τ? Every one of a list is tried, and the one suggested at which the best meets most."""
 
 from __future__ import annotations
 
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 
 TAUS_S = (0.1, 0.2, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 3.0, 4.0, 5.0, 7.0, 10.0, 15.0, 20.0, 30.0)
 """What is tried: seconds."""
+GOOD = 0.9
+"""What meets this share of the most is as good."""
 
 
 class Contender(msgspec.Struct, frozen=True):
@@ -37,11 +39,13 @@ class Step(msgspec.Struct, frozen=True):
 
     tau_ns: int
     windows: int
+    met: float
+    """Windows that the best meets, less its changes out of place, in number."""
     lead: float
-    """By how many windows the best beats the next: difference of score_in times windows."""
+    """By how much the next fits worse: windows missed and changes out of place, in number."""
     best: Contender | None = None
     next: Contender | None = None
-    """The best of those that change at other moments."""
+    """Of those that change at other moments, the one that fits next best."""
 
     @property
     def tau_s(self) -> float:
@@ -72,31 +76,26 @@ class Sweep(msgspec.Struct, frozen=True):
         step, said = self.step, []
         if step.best is None:
             raise InputError("no signal changes, so no tau can be suggested; give --tau")
-        if step.lead <= 0:
+        said.append(
+            f"tau {step.tau_s:g} s: {step.best.address} meets {step.met:.1f} of {step.windows} "
+            "windows, less its changes out of place"
+        )
+        fewer = [each for each in self.steps if each.met < GOOD * step.met and each.best]
+        narrower = [each for each in fewer if each.tau_ns < step.tau_ns]
+        wider = [each for each in fewer if each.tau_ns > step.tau_ns]
+        if narrower:
             said.append(
-                f"no tau sets one signal apart; at {step.tau_s:g} s {step.best.address} is first "
-                "by its name only: declare more events, or record longer"
+                f"{narrower[-1].tau_s:g} s misses changes that lie farther from their events "
+                f"({narrower[-1].met:.1f})"
             )
-        elif step.next is None:
-            said.append(f"tau {step.tau_s:g} s: only {step.best.address} changes")
-        else:
+        if wider and wider[0].windows < step.windows:
             said.append(
-                f"tau {step.tau_s:g} s sets the best signal apart most clearly: "
-                f"{step.best.address} has a score in of {step.best.score_in:.4f}, the next, "
-                f"{step.next.address}, {step.next.score_in:.4f}, {step.lead:.1f} of "
-                f"{step.windows} windows more"
+                f"at {wider[0].tau_s:g} s the windows run into one another "
+                f"({wider[0].windows} of them)"
             )
-        shorter = [each for each in self.steps if each.tau_ns < step.tau_ns and each.best]
-        if shorter and shorter[-1].best and shorter[-1].best.score_in > step.best.score_in:
+        elif wider:
             said.append(
-                f"at {shorter[-1].tau_s:g} s events lie too far from their changes "
-                f"({shorter[-1].best.score_in:.4f})"
-            )
-        merged = next((each for each in self.steps if each.windows < step.windows), None)
-        if merged is not None:
-            said.append(
-                f"from {merged.tau_s:g} s on windows run into one another "
-                f"({merged.windows} instead of {step.windows})"
+                f"{wider[0].tau_s:g} s lets more changes in than events ({wider[0].met:.1f})"
             )
         return "; ".join(said)
 
@@ -112,7 +111,7 @@ def sweep_tau(
     symbols: str | PathLike[str] | None = None,
     naming: str = DEFAULT_NAMING,
 ) -> Sweep:
-    """Tries several τ and says which sets the best signal apart; arguments as of `identify`.
+    """Tries several τ and says at which the best signal meets most; arguments as of `identify`.
 
     `taus_s` are the seconds to try; None: those of 0.1 to 30 s that the log's sampling and the
     distance of the events leave room for.
