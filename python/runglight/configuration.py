@@ -199,6 +199,8 @@ class Identify(Struct, forbid_unknown_fields=True):
     """Share of the changing signals that is kept."""
     words: list[str] = []
     """Signals that are words although only 0 and 1 were seen of them."""
+    order: Literal["scores", "agreement"] = "scores"
+    """By the paper's scores, or by how well changes fit events one by one at one lag."""
     rows: Annotated[int, Meta(ge=1)] = 20
     """Rows of the table; other formats have all."""
     format: Literal["table", "csv", "json"] = "table"

@@ -50,6 +50,8 @@ class EventOptions:
     "Share of the changing signals that is kept (default: 0.2, the best fifth)."
     words: tuple[str, ...] = ()
     "Signal that is a word although only 0 and 1 were seen of it; repeat it, or join with commas."
+    order: Literal["scores", "agreement"] | None = None
+    "By the scores (default), or by how well changes fit events one by one at one lag."
     propose: str | None = None
     "`X,Y,WIDTH,HEIGHT`: take the events from the photos, where this rectangle changes."
     propose_by: Literal["look", "motion"] = "look"
@@ -137,6 +139,7 @@ def _tell(  # noqa: PLR0917
             view=settings.view,
             share=settings.share,
             words=settings.words,
+            order=settings.order,
         )
     if (lost := len(found.unrecorded_ns)) > 0:
         were = "event lies" if lost == 1 else "events lie"
@@ -166,6 +169,7 @@ def _laid_over(
         "view": declared.view,
         "share": declared.share,
         "words": words or None,
+        "order": declared.order,
         "rows": result.rows,
         "format": format,
     }

@@ -28,7 +28,7 @@ HEIGHTS = " ▁▂▃▄▅▆▇█"
 WINDOW = "▔"
 IN_WINDOW = "green"
 OUTSIDE = "red"
-COLUMNS = ("rank", "address", "name", "score_in", "score_out", "changes", "same_as")
+COLUMNS = ("rank", "address", "name", "score_in", "score_out", "changes", "same_as", "agreement")
 
 
 def print_found(console: Console, found: Identification, events: Events, rows: int) -> None:
@@ -39,17 +39,22 @@ def print_found(console: Console, found: Identification, events: Events, rows: i
     table.add_column("#", justify="right")
     table.add_column("Score in", justify="right")
     table.add_column("Score out", justify="right")
+    agreed = any(each.agreement is not None for each in shown)
+    if agreed:
+        table.add_column("Agrees", justify="right")
     table.add_column("Address", overflow="fold")
     table.add_column("Name", overflow="fold")
     table.add_column("Changes", justify="right")
     table.add_column("Along the recording", no_wrap=True)
     ruler = Text("".join(WINDOW if inside else " " for inside in windows), style="blue")
-    table.add_row("", "", "", "", Text("windows", style="dim"), "", ruler)
+    agrees = [""] * agreed
+    table.add_row("", "", "", *agrees, "", Text("windows", style="dim"), "", ruler)
     for candidate, moments in zip(shown, found.moments(rows), strict=True):
         table.add_row(
             str(candidate.rank),
             f"{candidate.score_in:.4f}",
             f"{candidate.score_out:.4f}",
+            *([_agreement(candidate)] if agreed else []),
             Text(candidate.address),
             _name(candidate),
             f"{candidate.changes:,}",
@@ -111,6 +116,10 @@ def _name(candidate: Candidate) -> Text:
     return name
 
 
+def _agreement(candidate: Candidate) -> str:
+    return "" if candidate.agreement is None else f"{candidate.agreement:.4f}"
+
+
 def _verdict(found: Identification) -> str:
     first = found.first()
     if not first:
@@ -161,6 +170,7 @@ def as_csv(found: Identification) -> str:
     for each in found:
         row = msgspec.structs.asdict(each)
         row |= {key: f"{row[key]:.4f}" for key in ("score_in", "score_out")}
+        row["agreement"] = _agreement(each)
         writer.writerow(["" if row[column] is None else row[column] for column in COLUMNS])
     return text.getvalue()
 

@@ -17,6 +17,7 @@ from runglight.cli.counted import counted
 from runglight.cli.exit_codes import DONE
 from runglight.cli.output import output
 from runglight.cli.simulate_faults import simulate_faults
+from runglight.cli.simulate_photos import camera_before
 from runglight.errors import InputError
 from runglight.log.changelog import Log
 from runglight.nearest import suggestion
@@ -41,6 +42,8 @@ def simulate(
     size: str | None = None,
     part: Part | None = None,
     events: int | None = None,
+    photos: Path | None = None,
+    photo_interval: str | None = None,
     serve: str | None = None,
     after: tuple[str, ...] = (),
     for_: Annotated[str | None, Parameter(name="--for")] = None,
@@ -70,6 +73,10 @@ def simulate(
         bodyshop: what to learn from, what to watch after it, or both in one log.
     events: int
         bodyshop: events of both parts together (default: as many as the paper has).
+    photos: Path
+        bottling: folder to fill with photos of the machine; `record --camera` takes them.
+    photo_interval: str
+        Time between two photos (default: `1s`).
     serve: str
         Be the plant's PLC, in real time, until interrupted: `modbus://127.0.0.1:5020` or
         `s7://127.0.0.1:1102`; port 0 takes a free one. Nobody can write to it.
@@ -88,16 +95,17 @@ def simulate(
     if plant is None:
         raise InputError("which plant? runglight simulate --list names them")
     description = _plant(plant)
+    camera = camera_before(description, photos, photo_interval)
     if serve is not None:
         from runglight.cli.simulate_serve import ServeOptions, simulate_serve  # noqa: PLC0415
 
         finite = {"log": log, "cycles": cycles, "size": size, "part": part, "events": events}
         _refuse_beside_serve(finite)
-        options = ServeOptions(serve, seed, fault, after, for_, symbols, labels)
+        options = ServeOptions(serve, seed, fault, after, for_, symbols, labels, camera)
         return simulate_serve(description, options)
     if after or for_ is not None:
         raise InputError(f"{'--after' if after else '--for'} goes with --serve only; leave it out")
-    if log is None and labels is None and symbols is None:
+    if log is None and labels is None and symbols is None and camera is None:
         raise InputError(
             f"where to? runglight simulate {plant} --log FILE.csv, or --serve "
             "modbus://127.0.0.1:5020"
@@ -108,8 +116,11 @@ def simulate(
     if description.sizes:
         run = _run(description, of_sized | {"seed": seed})
     else:
-        run = run_plant(description, cycles=cycles, seed=seed, faults=fault)
+        seen = {} if camera is None else camera.witnessing
+        run = run_plant(description, cycles=cycles, seed=seed, faults=fault, **seen)
     console = terminal.results()
+    if camera is not None:
+        console.print(Text(camera.told), soft_wrap=True)
     if log is not None:
         rows = log_of(run).write(log)
         console.print(Text(f"{log}: {counted(rows, 'row')} of {plant}"), soft_wrap=True)
@@ -131,10 +142,15 @@ application.command(simulate_faults, name="faults")
 
 
 def run_plant(
-    plant: PlantDescription, *, cycles: int | None, seed: int, faults: tuple[str, ...]
+    plant: PlantDescription,
+    *,
+    cycles: int | None,
+    seed: int,
+    faults: tuple[str, ...],
+    **own: object,
 ) -> PlantRun:
     """Runs a plant; InputError where it has no such fault or cannot run so."""
-    return _run(plant, {"seed": seed, "fault": list(faults) or None, "cycles": cycles})
+    return _run(plant, {"seed": seed, "fault": list(faults) or None, "cycles": cycles, **own})
 
 
 def _run(plant: PlantDescription, arguments: Mapping[str, object]) -> PlantRun:
@@ -199,6 +215,9 @@ def _list(name: str | None) -> None:
         console.print(Text.assemble((plant.name, "bold"), f": {plant.description}"))
         if plant.sizes:
             console.print(f"  --size {', '.join(plant.sizes)}\n", markup=False, highlight=False)
+            continue
+        if not plant.faults:
+            console.print("  no faults; --photos shows it at work\n", markup=False, highlight=False)
             continue
         table = Table(box=box.SIMPLE_HEAD, pad_edge=False)
         table.add_column("Fault", justify="right")

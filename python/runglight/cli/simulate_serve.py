@@ -19,6 +19,7 @@ from runglight.errors import InputError
 from runglight.quantities import duration_s
 
 if TYPE_CHECKING:
+    from runglight.cli.simulate_photos import PlantCamera
     from runglight.plants import FaultDescription, PlantDescription, RunningPlant
     from runglight.softplc import SoftPlc
     from runglight.taps.clock import SteadyClock
@@ -39,6 +40,7 @@ class ServeOptions:
     """How long to serve; None for until it is interrupted."""
     symbols: Path | None
     labels: Path | None
+    camera: PlantCamera | None = None
 
 
 def simulate_serve(description: PlantDescription, options: ServeOptions) -> int:
@@ -118,6 +120,7 @@ class _Session:
             asyncio.get_running_loop().add_signal_handler(signal.SIGTERM, ended.set)
         async with serve(self._plant, self._options.url, clock) as plc:
             self._announce(plc)
+            photographing = self._photograph(plc, clock)
             end_ns = None if lasting_s is None else clock.now_ns() + round(lasting_s * 1e9)
             try:
                 with terminal.reporting() as report:
@@ -126,16 +129,30 @@ class _Session:
                             with report.paused():
                                 _say(*news)
                         report.show(self._status(plc))
+                        if photographing is not None and photographing.done():
+                            photographing.result()
                         left_s = GLANCE_S if end_ns is None else (end_ns - clock.now_ns()) / 1e9
                         with suppress(TimeoutError):
                             await asyncio.wait_for(ended.wait(), max(min(GLANCE_S, left_s), 0))
                         if ended.is_set():
                             return INTERRUPTED
             finally:
+                if photographing is not None:
+                    photographing.cancel()
+                    await asyncio.wait({photographing})
                 # Also when interrupted: what was broken is known, and kept.
                 _say(*self._news(plc))
                 self._conclude(plc)
         return DONE
+
+    def _photograph(self, plc: SoftPlc, clock: SteadyClock) -> asyncio.Task[None] | None:
+        camera = self._options.camera
+        if camera is None:
+            return None
+        from runglight.softplc.photographer import keep_photographing  # noqa: PLC0415
+
+        photographing = keep_photographing(plc, camera.folder, clock, camera.interval_ns)
+        return asyncio.create_task(photographing)
 
     def _announce(self, plc: SoftPlc) -> None:
         if self._options.symbols is not None:
@@ -153,6 +170,8 @@ class _Session:
 
     def _conclude(self, plc: SoftPlc) -> None:
         _say(f"{self._name}: {self._worked(plc)}")
+        if self._options.camera is not None:
+            _say(self._options.camera.told)
         file = self._options.labels
         if file is not None:
             from runglight.cli.simulate import labels_json  # noqa: PLC0415

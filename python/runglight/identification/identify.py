@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from runglight.log.changelog import Log
 
 View = Literal["all", "rising", "falling", "increments"]
+Order = Literal["scores", "agreement"]
 
 
 class Candidate(msgspec.Struct, frozen=True):
@@ -41,6 +42,8 @@ class Candidate(msgspec.Struct, frozen=True):
     """Number of changes that count."""
     same_as: str
     """The first of the list that changes at exactly the same moments; itself, where it is that."""
+    agreement: float | None = None
+    """Of events and changes matched one by one, 1 is best; None in the order of the scores."""
 
 
 class Window(msgspec.Struct, frozen=True):
@@ -64,6 +67,7 @@ class Identification:
     """The best candidates, best first.
 
     Like a list of `Candidate`, and an Arrow table of the same columns: `polars.DataFrame(found)`.
+    The table is always in the order of the scores, and without `agreement`.
     """
 
     def __init__(
@@ -73,6 +77,7 @@ class Identification:
         self._log = engine_log
         self._summary = msgspec.json.decode(engine_found.summary_json(), type=_Summary)
         self._rows: list[Candidate] | None = None
+        self._places: list[int] | None = None
         self.tau_s = tau_s
 
     def __len__(self) -> int:
@@ -111,7 +116,24 @@ class Identification:
 
     def moments(self, limit: int) -> list[npt.NDArray[np.int64]]:
         """When the first `limit` candidates changed, in nanoseconds since 1970."""
-        return self._engine.moments(self._log, limit)
+        if self._places is None:
+            return self._engine.moments(self._log, limit)
+        moments = self._engine.moments(self._log, len(self))
+        return [moments[place] for place in self._places[:limit]]
+
+    def agreed(self, events: Events, scan_interval_s: float | None) -> Identification:
+        """The same candidates, those first whose changes agree best with events one by one."""
+        from runglight.identification.agreement import by_agreement  # noqa: PLC0415
+
+        found = Identification(self._engine, self._log, self.tau_s)
+        found._rows, found._places = by_agreement(
+            self.best(len(self)),
+            self.moments(len(self)),
+            events.time_ns,
+            round(self.tau_s * 1e9),
+            round((scan_interval_s or 0.0) * 1e9),
+        )
+        return found
 
     @property
     def windows(self) -> list[Window]:
@@ -152,6 +174,7 @@ def identify(
     view: View = "all",
     share: float = 0.2,
     words: Sequence[str] = (),
+    order: Order = "scores",
     label: str | None = None,
     symbols: str | PathLike[str] | None = None,
     naming: str = DEFAULT_NAMING,
@@ -165,13 +188,22 @@ def identify(
     A change is expected at most `tau_s` seconds before or after its event. `view` says which
     changes count: all, rising or falling edges, or increments of counters. The best `share` of
     the candidates that change is given. `words` names signals that are words although only 0 and
-    1 were seen of them. `symbols` is the path of a symbol table that names addresses.
+    1 were seen of them. In the order `agreement` the candidates are those that the scores select,
+    but those come first whose changes fit the events one by one, all at nearly the same lag: of
+    events in groups, or where some were missed, it is the better one.
+    `symbols` is the path of a symbol table that names addresses.
 
     Raises InputError where no event lies in recorded time.
     """
     subject = subject_of(log, symbols=symbols, naming=naming)
     return identify_in(
-        subject, events_of(events, label), tau_s=tau_s, view=view, share=share, words=words
+        subject,
+        events_of(events, label),
+        tau_s=tau_s,
+        view=view,
+        share=share,
+        words=words,
+        order=order,
     )
 
 
@@ -183,12 +215,16 @@ def identify_in(
     view: View = "all",
     share: float = 0.2,
     words: Sequence[str] = (),
+    order: Order = "scores",
 ) -> Identification:
     """As `identify`, with what is searched and the events read before."""
     settings = settings_json(tau_s=tau_s, view=view, share=share, words=(*subject.words, *words))
     log = subject.log.engine
     found = _engine.identify(log, events.time_ns, settings, dict(subject.names))
-    return Identification(found, log, tau_s)
+    by_scores = Identification(found, log, tau_s)
+    if order == "scores":
+        return by_scores
+    return by_scores.agreed(events, subject.log.scan_interval_s)
 
 
 def settings_json(*, tau_s: float, view: View, share: float, words: Sequence[str]) -> str:

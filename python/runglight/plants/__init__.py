@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from runglight.plants import bodyshop, cell, press
+from runglight.plants import bodyshop, bottling, cell, press
 from runglight.plants.faults import FaultDescription, FaultKind, FaultLabel, find_fault
 from runglight.plants.run import PlantRun
 from runglight.plants.running import Image, RunningPlant
@@ -44,6 +44,8 @@ class PlantDescription:
     simulate: Callable[..., PlantRun]
     sizes: tuple[str, ...] = ()
     run: Callable[[int, int], RunningPlant] | None = None
+    has_photos: bool = False
+    """Its running plant is a `PhotographedPlant`, and `simulate` takes a `witness`."""
 
 
 PLANTS: dict[str, PlantDescription] = {
@@ -68,6 +70,18 @@ PLANTS: dict[str, PlantDescription] = {
         faults=press.FAULTS,
         simulate=press.simulate_press,
         run=press.RunningPress,
+    ),
+    "bottling": PlantDescription(
+        name="bottling",
+        description=(
+            "A machine that fills and caps bottles on a Schneider M340, a black box of 100 %M and "
+            "300 %MW with photos of its two stations, like the one of Cadiou 2019."
+        ),
+        symbols=bottling.SYMBOLS,
+        faults={},
+        simulate=bottling.simulate_bottling,
+        run=bottling.RunningBottling,
+        has_photos=True,
     ),
     "bodyshop": PlantDescription(
         name="bodyshop",

@@ -55,6 +55,11 @@ class Axis:
         self._direction = 0
         self._next: Appointment | None = None
 
+    def position_at(self, now_ns: int) -> float:
+        """Where it will be, if nothing happens meanwhile: 0 at home, 1 away."""
+        moved = self._speed_per_ns * (now_ns - self._since_ns)
+        return min(1.0, max(0.0, self._position + moved))
+
     def command(self, outward: bool, homeward: bool) -> None:
         """Follows the two outputs: both or none of them means stand still."""
         direction = int(outward) - int(homeward)
@@ -79,10 +84,8 @@ class Axis:
         self._speed_per_ns = 0.0
 
     def _settle_position(self) -> None:
-        now_ns = self._agenda.now_ns
-        moved = self._speed_per_ns * (now_ns - self._since_ns)
-        self._position = min(1.0, max(0.0, self._position + moved))
-        self._since_ns = now_ns
+        self._position = self.position_at(self._agenda.now_ns)
+        self._since_ns = self._agenda.now_ns
 
     def _start(self) -> None:
         drive = self._drives[self._direction]

@@ -1,7 +1,7 @@
 """A plant that runs for as long as somebody looks: the seam between machines and soft PLCs."""
 
 from collections.abc import Callable, Mapping
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 from runglight.plants.faults import FaultDescription, FaultLabel
 from runglight.plants.symbols import Symbol
@@ -65,3 +65,23 @@ class RunningPlant(Protocol):
 
     def acting(self) -> tuple[FaultDescription, ...]:
         """Faults that have begun and not passed."""
+
+
+class PlantPhoto(NamedTuple):
+    """A photo of a machine."""
+
+    time_ns: int
+    content: bytes
+    """JPEG, with its time in the EXIF."""
+
+
+@runtime_checkable
+class PhotographedPlant(Protocol):
+    """A plant that a camera can be held before."""
+
+    def expose(self) -> Callable[[], PlantPhoto]:
+        """Sees the machine as it stands at the time it was advanced to.
+
+        What it gives develops the photo, in any thread and however late. InputError where Pillow
+        is not installed.
+        """

@@ -56,7 +56,7 @@ class Sampler(Protocol):
         """Looks at the images."""
 
 
-def no_memory() -> tuple[Value, ...]:
+def no_memory() -> tuple[int, ...]:
     """The memory of a program that shows none."""
     return ()
 
@@ -77,7 +77,7 @@ class ScanCycle(Generic[Value]):
         *,
         start_ns: int,
         outputs: tuple[Value, ...],
-        memory: Callable[[], tuple[Value, ...]] = no_memory,
+        memory: Callable[[], tuple[int, ...]] = no_memory,
         scan_interval_ns: int = SCAN_INTERVAL_NS,
         skip_idle_scans: bool = True,
     ) -> None:

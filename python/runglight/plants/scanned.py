@@ -24,7 +24,7 @@ class ScannedPlant(Generic[Value]):
         *,
         start_ns: int,
         outputs: tuple[Value, ...],
-        memory: Callable[[], tuple[Value, ...]] = no_memory,
+        memory: Callable[[], tuple[int, ...]] = no_memory,
     ) -> None:
         self._symbols = symbols
         self._now_ns = start_ns

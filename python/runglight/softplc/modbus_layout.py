@@ -1,7 +1,8 @@
-"""Where a soft PLC keeps its signals in Modbus: as OpenPLC does.
+"""Where a soft PLC keeps its signals in Modbus: as OpenPLC does, or as a Schneider PLC.
 
-Inputs `%IX` are discrete inputs, outputs `%QX` coils, words `%IW` input registers; `%QW` are
-holding registers from 0, `%MW` from 1,024 (OpenPLC, "Modbus addressing").
+OpenPLC: inputs `%IX` are discrete inputs, outputs `%QX` coils, words `%IW` input registers; `%QW`
+are holding registers from 0, `%MW` from 1,024 (OpenPLC, "Modbus addressing"). A plant with bits
+`%M0` without a byte is a Schneider's: `%M` are coils, `%MW` holding registers, both from 0.
 """
 
 from collections import defaultdict
@@ -14,6 +15,7 @@ from runglight.errors import InputError
 from runglight.plants.running import Image
 from runglight.plants.symbols import Symbol
 from runglight.softplc.place import Area, Place, in_image_order, place_of, spelled
+from runglight.softplc.schneider import is_schneider, schneider_number
 
 BITS = 800
 """`%IX0.0` to `%IX99.7`."""
@@ -44,14 +46,20 @@ class ModbusLayout:
 
     def __init__(self, symbols: Sequence[Symbol]) -> None:
         ordered = in_image_order(symbols)
-        self._cells = [_cell(symbol, place_of(symbol)) for symbol in ordered]
+        schneider = is_schneider(symbols)
+        self._names = "iec" if schneider else "openplc"
+        self._cells = [_cell_of(symbol, schneider) for symbol in ordered]
         self._image: Image | None = None
         self._tables: dict[Table, list[int]] = {}
-        self.symbols = tuple(
-            replace(symbol, address=_address(*_cell(symbol, place_of(symbol))))
-            for symbol in symbols
+        self.symbols = (
+            tuple(symbols)
+            if schneider
+            else tuple(
+                replace(symbol, address=_address(*_cell(symbol, place_of(symbol))))
+                for symbol in symbols
+            )
         )
-        """The plant's symbols under the addresses a tap gives them with `names=openplc`."""
+        """The plant's symbols under the addresses a tap gives them with `tap_query`."""
 
     @property
     def tap_query(self) -> str:
@@ -60,7 +68,7 @@ class ModbusLayout:
         for table, number in self._cells:
             numbers[table].append(number)
         options = [f"{table}={spelled(numbers[table])}" for table in Table if table in numbers]
-        return "&".join((*options, "names=openplc"))
+        return "&".join((*options, f"names={self._names}"))
 
     def tables(self, image: Image) -> dict[Table, list[int]]:
         """Every table as words of 16 bits, bits from the lowest on. Not to be changed."""
@@ -73,6 +81,19 @@ class ModbusLayout:
                     tables[table][number] = value & 0xFFFF
             self._image, self._tables = image, tables
         return self._tables
+
+
+def _cell_of(symbol: Symbol, schneider: bool) -> tuple[Table, int]:
+    if schneider:
+        is_word, number = schneider_number(symbol)
+        table = Table.HOLDING if is_word else Table.COILS
+        if number < (MEMORY_FROM + WORDS if is_word else BITS):
+            return table, number
+        raise InputError(
+            f"{symbol.name}: the served PLC has no {symbol.address}; it takes %M up to {BITS - 1} "
+            f"and %MW up to {MEMORY_FROM + WORDS - 1}"
+        )
+    return _cell(symbol, place_of(symbol))
 
 
 def _cell(symbol: Symbol, place: Place) -> tuple[Table, int]:

@@ -1,14 +1,14 @@
 """A running plant with a server: a PLC that taps can tap, and tests can kill."""
 
 import asyncio
-from collections.abc import AsyncIterator
+from collections.abc import AsyncIterator, Callable
 from contextlib import asynccontextmanager, suppress
 from dataclasses import replace
 from threading import RLock
 from typing import NamedTuple
 
 from runglight.plants.faults import FaultDescription, FaultLabel
-from runglight.plants.running import Image, RunningPlant
+from runglight.plants.running import Image, PhotographedPlant, PlantPhoto, RunningPlant
 from runglight.plants.symbols import Symbol
 from runglight.softplc.serve_url import ServeUrl, parse_serve_url
 from runglight.softplc.server import Look, Server
@@ -100,6 +100,18 @@ class SoftPlc:
         with self._lock:
             self._plant.advance(self._clock.now_ns())
             return self._plant.image()
+
+    def expose(self) -> Callable[[], PlantPhoto]:
+        """Brings the plant up to the clock's now and holds a camera before it. From any thread.
+
+        TypeError for a plant that cannot be photographed.
+        """
+        plant = self._plant
+        if not isinstance(plant, PhotographedPlant):
+            raise TypeError("there is nothing to be seen of this plant")
+        with self._lock:
+            self.look()
+            return plant.expose()
 
     def inject(self, fault: int | str, at_ns: int | None = None) -> FaultDescription:
         """Breaks something at the next possible moment after `at_ns` (None: now).

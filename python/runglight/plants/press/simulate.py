@@ -2,10 +2,9 @@
 
 from collections.abc import Callable, Sequence
 
-import numpy as np
-
 from runglight.plants.agenda import NS_PER_S, nanoseconds
 from runglight.plants.faults import find_fault
+from runglight.plants.image_log import ImageLog
 from runglight.plants.press.faults import FAULTS
 from runglight.plants.press.running import RunningPress
 from runglight.plants.press.symbols import SYMBOLS
@@ -24,47 +23,6 @@ TAIL_CYCLES = 2
 
 FaultChoice = int | str
 Script = Callable[[RunningPress], None]
-
-
-class PressLog:
-    """Collects what a logger at the press sees; begins with the whole image, as a tap does."""
-
-    def __init__(self, press: RunningPress, start_ns: int) -> None:
-        self._start_ns = start_ns
-        self._first: set[int] = set()
-        self._time_ns: list[int] = []
-        self._signal: list[int] = []
-        self._value: list[int] = []
-        press.on_change(self._row)
-
-    def _row(self, time_ns: int, number: int, value: int) -> None:
-        if time_ns == self._start_ns:
-            self._first.add(number)
-        self._time_ns.append(time_ns)
-        self._signal.append(number)
-        self._value.append(value)
-
-    def run(self, press: RunningPress, end_ns: int) -> PlantRun:
-        """The log so far, closed by a sample at its end."""
-        off = [number for number in range(len(SYMBOLS)) if number not in self._first]
-        time_ns = [self._start_ns] * len(off) + self._time_ns + [end_ns]
-        value = [0] * len(off) + self._value
-        last = next(
-            (
-                v
-                for n, v in zip(reversed(self._signal), reversed(self._value), strict=True)
-                if not n
-            ),
-            0,
-        )
-        return PlantRun(
-            np.array(time_ns, dtype=np.int64),
-            np.array([*off, *self._signal, 0], dtype=np.uint32),
-            np.array([*value, last], dtype=np.int64),
-            signals=tuple(symbol.name for symbol in SYMBOLS),
-            labels=press.labels(),
-            end_ns=end_ns,
-        )
 
 
 def simulate_press(
@@ -95,7 +53,7 @@ def simulate_press(
     if first < 1 or (faults and cycles < first):
         raise ValueError(f"a fault can begin in cycle 1 to {cycles}, not in cycle {first}")
     press = RunningPress(start_ns, seed)
-    log = PressLog(press, start_ns)
+    log = ImageLog(press, start_ns)
     queue = [(first + FAULT_EVERY * place, fault.number) for place, fault in enumerate(faults)]
     now_ns = start_ns
     while press.cycles < cycles:
@@ -103,4 +61,4 @@ def simulate_press(
             press.inject(queue.pop(0)[1])
         now_ns += SLICE_NS
         press.advance(now_ns)
-    return log.run(press, now_ns)
+    return log.run(now_ns, [symbol.name for symbol in SYMBOLS])
