@@ -13,11 +13,7 @@ pub type Parallels = Vec<BTreeSet<Node>>;
 
 /// Takes concurrent and noisy edges out of the graph; `epsilon` is the imbalance from which on two
 /// orders are not concurrent.
-pub fn discover(
-    graph: &mut Follows,
-    loops: &BTreeSet<(Node, Node)>,
-    epsilon: f64,
-) -> Parallels {
+pub fn discover(graph: &mut Follows, loops: &BTreeSet<(Node, Node)>, epsilon: f64) -> Parallels {
     let whole = graph.clone();
     let mut parallels = vec![BTreeSet::new(); graph.next.len()];
     let mut removable = BTreeSet::new();

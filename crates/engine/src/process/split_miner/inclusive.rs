@@ -29,8 +29,7 @@ fn detach_loops(model: &mut ProcessModel) {
     let (into, _) = model.ways();
     for node in 0..model.kinds.len() {
         let backward = into[node].iter().filter(|&&flow| back[flow]).count();
-        let forward: Vec<usize> =
-            into[node].iter().copied().filter(|&flow| !back[flow]).collect();
+        let forward: Vec<usize> = into[node].iter().copied().filter(|&flow| !back[flow]).collect();
         if model.kinds[node] != Kind::Inclusive || backward == 0 {
             continue;
         }
@@ -110,7 +109,8 @@ fn dominator(model: &ProcessModel, back: &[bool], join: usize) -> Option<usize> 
     }
     let mut immediate: Vec<Option<usize>> = vec![None; model.kinds.len()];
     for &node in &order {
-        let sources = into[node].iter().filter(|&&flow| !back[flow]).map(|&flow| model.flows[flow].0);
+        let sources =
+            into[node].iter().filter(|&&flow| !back[flow]).map(|&flow| model.flows[flow].0);
         immediate[node] = sources.filter(|&source| rank[source] < rank[node]).reduce(|a, b| {
             let (mut a, mut b) = (a, b);
             while a != b {
@@ -129,10 +129,8 @@ fn dominator(model: &ProcessModel, back: &[bool], join: usize) -> Option<usize> 
 /// Nodes so that every flow but those that lead back goes from an earlier to a later one.
 fn topological(model: &ProcessModel, back: &[bool]) -> Vec<usize> {
     let (into, out) = model.ways();
-    let mut missing: Vec<usize> = into
-        .iter()
-        .map(|flows| flows.iter().filter(|&&flow| !back[flow]).count())
-        .collect();
+    let mut missing: Vec<usize> =
+        into.iter().map(|flows| flows.iter().filter(|&&flow| !back[flow]).count()).collect();
     let mut ready: Vec<usize> = vec![START];
     let mut order = Vec::with_capacity(missing.len());
     while let Some(node) = ready.pop() {
@@ -203,7 +201,8 @@ fn parts(members: &[usize], tied: &dyn Fn(usize, usize) -> bool) -> Vec<Vec<usiz
         let mut next = 0;
         while let Some(&member) = part.get(next) {
             next += 1;
-            let near: Vec<usize> = left.iter().copied().filter(|&other| tied(member, other)).collect();
+            let near: Vec<usize> =
+                left.iter().copied().filter(|&other| tied(member, other)).collect();
             for other in near {
                 left.remove(&other);
                 part.push(other);

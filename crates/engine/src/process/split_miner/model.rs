@@ -94,12 +94,15 @@ mod tests {
 
     #[test]
     fn idle_gateways_go() {
-        let mut model =
-            ProcessModel { kinds: vec![Kind::Start, Kind::End], flows: Vec::new() };
+        let mut model = ProcessModel { kinds: vec![Kind::Start, Kind::End], flows: Vec::new() };
         let gateways = [Kind::Exclusive, Kind::Parallel].map(|kind| model.add(kind));
         let task = model.add(Kind::Task(0));
-        model.flows =
-            vec![(START, gateways[0]), (gateways[0], task), (task, gateways[1]), (gateways[1], END)];
+        model.flows = vec![
+            (START, gateways[0]),
+            (gateways[0], task),
+            (task, gateways[1]),
+            (gateways[1], END),
+        ];
         model.simplify();
         assert_eq!(model.kinds, [Kind::Start, Kind::End, Kind::Task(0)]);
         let mut flows = model.flows;

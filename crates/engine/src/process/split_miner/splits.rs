@@ -84,7 +84,9 @@ fn exclusive(items: &mut Vec<Item>, model: &mut ProcessModel) {
             }
         }
     }
-    items.extend(merged.into_iter().map(|(item, targets)| gateway(item, targets, Kind::Exclusive, model)));
+    items.extend(
+        merged.into_iter().map(|(item, targets)| gateway(item, targets, Kind::Exclusive, model)),
+    );
 }
 
 /// Merges the first group of items that run side by side; false where there is none.

@@ -167,9 +167,7 @@ impl Reduction {
             std::mem::swap(&mut first, &mut second);
         }
         let ends = [first.other(node), second.other(node)];
-        let arrivals = [0, 1].map(|side| {
-            [&first, &second][side].arrivals_at(ends[side]).to_vec()
-        });
+        let arrivals = [0, 1].map(|side| [&first, &second][side].arrivals_at(ends[side]).to_vec());
         self.insert(Edge { ends, arrivals, is_tie: false });
         ends.to_vec()
     }
@@ -206,8 +204,9 @@ impl Reduction {
         };
         let [entry, exit] = if turned { [other, one] } else { ends };
         let around = if arrive(entry) { Shape::Loop } else { Shape::Bond };
-        let arrivals = [entry, exit]
-            .map(|node| at.get(&node).and_then(|flows| flows.first()).copied().into_iter().collect());
+        let arrivals = [entry, exit].map(|node| {
+            at.get(&node).and_then(|flows| flows.first()).copied().into_iter().collect()
+        });
         self.found.push(Fragment {
             shape: shape.unwrap_or(around),
             entry,
@@ -269,7 +268,8 @@ impl Reduction {
                     }
                     low[parent] = low[parent].min(low[node]);
                     if low[node] >= order[parent] {
-                        let part: BTreeSet<usize> = sequence[order[node]..].iter().copied().collect();
+                        let part: BTreeSet<usize> =
+                            sequence[order[node]..].iter().copied().collect();
                         // All that was found since `node` hangs on it.
                         if !part.contains(&START) && !part.contains(&END) {
                             parts.push((parent, part));
@@ -302,18 +302,8 @@ mod tests {
     #[test]
     fn bonds_lie_in_one_another() {
         // 2 splits to 3 and 4, 3 splits to 5 and 6 that join in 7; 7 and 4 join in 8.
-        let flows = [
-            (START, 2),
-            (2, 3),
-            (2, 4),
-            (3, 5),
-            (3, 6),
-            (5, 7),
-            (6, 7),
-            (7, 8),
-            (4, 8),
-            (8, END),
-        ];
+        let flows =
+            [(START, 2), (2, 3), (2, 4), (3, 5), (3, 6), (5, 7), (6, 7), (7, 8), (4, 8), (8, END)];
         let found = fragments(&model(9, &flows));
         let told: Vec<_> = found.iter().map(|f| (f.shape, f.entry, f.exit)).collect();
         assert_eq!(told, [(Shape::Bond, 3, 7), (Shape::Bond, 2, 8)]);
@@ -327,7 +317,10 @@ mod tests {
         let flows = [(START, 2), (2, 3), (2, 4), (3, 5), (3, 6), (5, 7), (6, 7), (4, 7), (7, END)];
         let found = fragments(&model(8, &flows));
         assert_eq!(found[0].arrivals, [(7, vec![5, 6])]);
-        assert_eq!((found[1].shape, found[1].arrivals.clone()), (Shape::Bond, vec![(7, vec![5, 7])]));
+        assert_eq!(
+            (found[1].shape, found[1].arrivals.clone()),
+            (Shape::Bond, vec![(7, vec![5, 7])])
+        );
     }
 
     #[test]
