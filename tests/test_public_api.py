@@ -18,6 +18,7 @@ PUBLIC = [
     "Findings",
     "InputError",
     "Log",
+    "MinedProcess",
     "ModelError",
     "Monitor",
     "NominalModel",
@@ -31,6 +32,8 @@ PUBLIC = [
     "learn",
     "learn_cycle",
     "load_model",
+    "mine",
+    "read_event_log",
     "read_log",
     "read_net",
 ]

@@ -24,7 +24,8 @@ if TYPE_CHECKING:
     from runglight.log.changelog import Log, read_log
     from runglight.log.options import ReadOptions
     from runglight.model import Monitor, NominalModel, learn, learn_cycle, load_model
-    from runglight.process.event_log import EventLog, event_log
+    from runglight.process.event_log import EventLog, event_log, read_event_log
+    from runglight.process.mining import MinedProcess, mine
     from runglight.process.petri_net import PetriNet, read_net
 
 __all__ = [
@@ -33,6 +34,7 @@ __all__ = [
     "Findings",
     "InputError",
     "Log",
+    "MinedProcess",
     "ModelError",
     "Monitor",
     "NominalModel",
@@ -46,6 +48,8 @@ __all__ = [
     "learn",
     "learn_cycle",
     "load_model",
+    "mine",
+    "read_event_log",
     "read_log",
     "read_net",
 ]
@@ -58,6 +62,7 @@ _HOMES = {
     "Findings": "runglight.findings.batch",
     "InputError": "runglight.errors",
     "Log": "runglight.log.changelog",
+    "MinedProcess": "runglight.process.mining",
     "ModelError": "runglight.errors",
     "Monitor": "runglight.model",
     "NominalModel": "runglight.model",
@@ -71,6 +76,8 @@ _HOMES = {
     "learn": "runglight.model",
     "learn_cycle": "runglight.model",
     "load_model": "runglight.model",
+    "mine": "runglight.process.mining",
+    "read_event_log": "runglight.process.event_log",
     "read_log": "runglight.log.changelog",
     "read_net": "runglight.process.petri_net",
 }

@@ -87,6 +87,7 @@ def test_the_overview(runglight: Command) -> None:
             "show",
             "watch",
             "confirm",
+            "mine",
             "import",
             "export",
             "simulate",

@@ -36,6 +36,7 @@ COMMANDS = {
     "show": ("show:show", "Show what a model knows: devices, rules, drawings."),
     "watch": ("watch:watch", "Say what departs from the nominal model."),
     "confirm": ("confirm:confirm", "Accept a finding's path: from now on it is nominal."),
+    "mine": ("mine:mine", "Mine the net that the runs of a machine follow."),
     "import": ("import_log:import_log", "Turn any log into a change log."),
     "export": ("export:export", "Write a log for another tool: CSV, Parquet, XES, VCD."),
     "simulate": ("simulate:application", "Write the log of a simulated plant, sound or broken."),

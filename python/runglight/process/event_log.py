@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 from itertools import pairwise
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -65,14 +66,22 @@ class EventLog:
         """Some of the traces, by number from 0; activities keep their numbers."""
         return EventLog(self._engine.select(traces))
 
+    def write(self, path: str | PathLike[str]) -> None:
+        """Writes XES; the file appears whole or not at all."""
+        self._engine.write_xes(os.fspath(path))
+
     def sequences(self) -> list[list[str]]:
         """The names of the activities, trace by trace."""
         names = [name for name, _ in self.activities]
         activity, _, bounds = self.columns()
         return [
-            [names[number] for number in activity[start:end]]
-            for start, end in pairwise(bounds)
+            [names[number] for number in activity[start:end]] for start, end in pairwise(bounds)
         ]
+
+
+def read_event_log(path: str | PathLike[str]) -> EventLog:
+    """Reads XES of any tool, trace by trace; events that have a life cycle count once."""
+    return EventLog(_engine.EventLog.read_xes(os.fspath(path)))
 
 
 def event_log(

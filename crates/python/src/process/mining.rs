@@ -1,15 +1,11 @@
-//! Mining event logs, and how well a net and a log agree.
+//! Mining event logs.
 
 use std::path::Path;
 use std::sync::Arc;
 
 use pyo3::prelude::*;
-use serde_json::json;
 
 use runglight_engine::process::event_log::Activity;
-use runglight_engine::process::fitness::fitness;
-use runglight_engine::process::precision::precision;
-use runglight_engine::process::soundness::soundness;
 use runglight_engine::process::split_miner::model::ProcessModel;
 use runglight_engine::process::split_miner::{MiningParameters, mine as mine_log};
 
@@ -51,39 +47,4 @@ pub fn mine(py: Python<'_>, log: &PyEventLog, parameters_json: &str) -> PyResult
         activities: log.log.activities.clone(),
         net: PyPetriNet::new(mined.net),
     })
-}
-
-#[pymethods]
-impl PyPetriNet {
-    fn dot(&self) -> String {
-        self.net.dot()
-    }
-
-    fn soundness_json(&self, py: Python<'_>) -> String {
-        let found = py.detach(|| soundness(&self.net));
-        let problems: Vec<String> = found.problems.iter().map(ToString::to_string).collect();
-        let told = json!({
-            "sound": found.sound, "problems": problems, "markings": found.markings,
-        });
-        told.to_string()
-    }
-
-    fn fitness_json(&self, py: Python<'_>, log: &PyEventLog) -> String {
-        let found = py.detach(|| fitness(&self.net, &log.log));
-        let tokens = &found.tokens;
-        let told = json!({
-            "fitness": found.fitness,
-            "fitting": found.fitting,
-            "traces": found.traces,
-            "produced": tokens.produced,
-            "consumed": tokens.consumed,
-            "missing": tokens.missing,
-            "remaining": tokens.remaining,
-        });
-        told.to_string()
-    }
-
-    fn precision(&self, py: Python<'_>, log: &PyEventLog) -> f64 {
-        py.detach(|| precision(&self.net, &log.log))
-    }
 }

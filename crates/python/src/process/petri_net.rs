@@ -1,13 +1,17 @@
-//! `PetriNet`: read, written and looked at.
+//! `PetriNet`: read, written, looked at, and how well it and a log agree.
 
 use std::path::Path;
 use std::sync::Arc;
 
 use pyo3::prelude::*;
+use serde_json::json;
 
+use runglight_engine::process::fitness::fitness;
 use runglight_engine::process::petri::PetriNet;
+use runglight_engine::process::precision::precision;
+use runglight_engine::process::soundness::soundness;
 
-use super::event_log::class_name;
+use super::event_log::{PyEventLog, class_name};
 use crate::errors;
 
 /// A labelled Petri net.
@@ -63,5 +67,37 @@ impl PyPetriNet {
             (t.id.clone(), t.label.clone(), class, t.inputs.clone(), t.outputs.clone())
         });
         rows.collect()
+    }
+
+    fn dot(&self) -> String {
+        self.net.dot()
+    }
+
+    fn soundness_json(&self, py: Python<'_>) -> String {
+        let found = py.detach(|| soundness(&self.net));
+        let problems: Vec<String> = found.problems.iter().map(ToString::to_string).collect();
+        let told = json!({
+            "sound": found.sound, "problems": problems, "markings": found.markings,
+        });
+        told.to_string()
+    }
+
+    fn fitness_json(&self, py: Python<'_>, log: &PyEventLog) -> String {
+        let found = py.detach(|| fitness(&self.net, &log.log));
+        let tokens = &found.tokens;
+        let told = json!({
+            "fitness": found.fitness,
+            "fitting": found.fitting,
+            "traces": found.traces,
+            "produced": tokens.produced,
+            "consumed": tokens.consumed,
+            "missing": tokens.missing,
+            "remaining": tokens.remaining,
+        });
+        told.to_string()
+    }
+
+    fn precision(&self, py: Python<'_>, log: &PyEventLog) -> f64 {
+        py.detach(|| precision(&self.net, &log.log))
     }
 }
