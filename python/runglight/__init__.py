@@ -26,26 +26,36 @@ if TYPE_CHECKING:
     from runglight.log.changelog import Log, read_log
     from runglight.log.options import ReadOptions
     from runglight.model import Monitor, NominalModel, learn, learn_cycle, load_model
+    from runglight.process.event_log import EventLog, event_log, read_event_log
+    from runglight.process.mining import MinedProcess, mine
+    from runglight.process.petri_net import PetriNet, read_net
 
 __all__ = [
     "CycleModel",
+    "EventLog",
     "Findings",
     "Identification",
     "InputError",
     "Log",
+    "MinedProcess",
     "ModelError",
     "Monitor",
     "NominalModel",
     "Parameters",
+    "PetriNet",
     "ReadOptions",
     "RunglightError",
     "__version__",
+    "event_log",
     "finding_schema",
     "identify",
     "learn",
     "learn_cycle",
     "load_model",
+    "mine",
+    "read_event_log",
     "read_log",
+    "read_net",
     "sweep_tau",
 ]
 
@@ -53,23 +63,30 @@ __all__ = [
 # command line answers `--help` at once.
 _HOMES = {
     "CycleModel": "runglight.cycle_model",
+    "EventLog": "runglight.process.event_log",
     "Findings": "runglight.findings.batch",
     "Identification": "runglight.identification.identify",
     "InputError": "runglight.errors",
     "Log": "runglight.log.changelog",
+    "MinedProcess": "runglight.process.mining",
     "ModelError": "runglight.errors",
     "Monitor": "runglight.model",
     "NominalModel": "runglight.model",
     "Parameters": "runglight.configuration",
+    "PetriNet": "runglight.process.petri_net",
     "ReadOptions": "runglight.log.options",
     "RunglightError": "runglight.errors",
     "__version__": "runglight._engine",
+    "event_log": "runglight.process.event_log",
     "finding_schema": "runglight.findings.schema",
     "identify": "runglight.identification.identify",
     "learn": "runglight.model",
     "learn_cycle": "runglight.model",
     "load_model": "runglight.model",
+    "mine": "runglight.process.mining",
+    "read_event_log": "runglight.process.event_log",
     "read_log": "runglight.log.changelog",
+    "read_net": "runglight.process.petri_net",
     "sweep_tau": "runglight.identification.sweep",
 }
 

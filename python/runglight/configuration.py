@@ -132,6 +132,26 @@ Regions = dict[str, str | list[str]]
 list of addresses or names. None, or `regions = "auto"`: proposed from the log."""
 
 
+class Mining(Struct, forbid_unknown_fields=True, frozen=True):
+    """What Split Miner takes."""
+
+    eta: Annotated[float, Meta(ge=0, le=1)] = 0.0
+    """η: share of the best edges whose frequency an edge must reach; 0 filters nothing."""
+    epsilon: Annotated[float, Meta(ge=0, le=1)] = 0.5
+    """ε: imbalance of two orders from which on they are not concurrent."""
+
+
+class Process(Mining, frozen=True):
+    """`[process]`: how a log is cut into runs, and how the net is mined (Theis 2019)."""
+
+    reset: str | None = None
+    """The change that opens a run: `"%IX0.1=0"`, several at one time joined by `&`."""
+    keep_partial: bool = False
+    """Keep runs that did not begin with the reset or did not end with the next one."""
+    only: list[str] = []
+    """Signals that take part; none: all of them."""
+
+
 class Watch(Struct, forbid_unknown_fields=True):
     """`[watch]`: how findings are told."""
 
@@ -224,6 +244,7 @@ class Configuration(Struct, forbid_unknown_fields=True):
     modes: Modes = field(default_factory=Modes)
     regions: Regions = field(default_factory=dict)
     cycle: Cycle = field(default_factory=Cycle)
+    process: Process = field(default_factory=Process)
     record: Record = field(default_factory=Record)
     watch: Watch = field(default_factory=Watch)
     notify: Notify = field(default_factory=Notify)

@@ -93,6 +93,7 @@ def test_the_overview(runglight: Command) -> None:
             "watch",
             "confirm",
             "identify",
+            "mine",
             "import",
             "export",
             "simulate",

@@ -4,9 +4,11 @@
 //! out; [`write()`] goes the other way, by a temporary name that is renamed when complete.
 
 pub mod arrow;
+pub mod bpmn;
 mod columns;
 mod csv;
 mod error;
+pub mod event_log;
 mod format;
 mod intake;
 mod layout;
@@ -16,6 +18,7 @@ mod names;
 mod options;
 mod output;
 mod parquet;
+pub mod pnml;
 mod report;
 pub mod rules_table;
 mod sampler;
@@ -25,6 +28,7 @@ mod time;
 mod value;
 mod vcd;
 mod xes;
+mod xml;
 
 use std::path::Path;
 

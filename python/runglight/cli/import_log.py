@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+import msgspec
+
 from runglight.cli import terminal
 from runglight.cli.exit_codes import DONE
 from runglight.cli.import_directory import import_to_directory, is_directory
@@ -21,6 +23,7 @@ def import_log(
     to: Path,
     follow: bool = False,
     every: str = "5s",
+    xes: bool = False,
     options: ReaderOptions | None = None,
 ) -> int:
     """Turn any log into a change log.
@@ -42,6 +45,8 @@ def import_log(
         Keep running, and take what is new in the table again and again.
     every: str
         How long to wait before asking for new rows.
+    xes: bool
+        The log is XES, whatever its name ends in.
 
     """
     chosen = options or ReaderOptions()
@@ -55,15 +60,17 @@ def import_log(
             "--follow: takes a table piece by piece into a directory; "
             "say --sql URL and name a directory in --to"
         )
-    return convert_log(source, to, chosen)
+    return convert_log(source, to, chosen, xes=xes)
 
 
-def convert_log(source: str | None, to: Path, options: ReaderOptions) -> int:
+def convert_log(source: str | None, to: Path, options: ReaderOptions, *, xes: bool = False) -> int:
     """Reads a log and writes it in the format of the target's ending."""
     if to.suffix.removeprefix(".").lower() not in FORMATS:
         endings = ", ".join(f".{known}" for known in FORMATS)
         raise InputError(f"{to}: cannot tell the format from the ending; use one of {endings}")
     configuration = options.configuration()
+    if xes:
+        configuration.log = msgspec.structs.replace(configuration.log, format="xes")
     [only] = options.sources(
         [] if source is None else [source], configuration.log, "what shall be read?"
     )

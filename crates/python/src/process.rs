@@ -1,0 +1,5 @@
+//! Process mining: event logs and Petri nets.
+
+pub mod event_log;
+pub mod mining;
+pub mod petri_net;
