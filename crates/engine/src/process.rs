@@ -4,8 +4,10 @@
 pub mod baseline;
 pub mod decay;
 pub mod event_log;
+pub mod lesson;
 pub mod network;
 pub mod next_activity;
 pub mod petri;
 pub mod replay;
 pub mod silent;
+pub mod succession;

@@ -3,10 +3,12 @@
 mod nets;
 
 use runglight_engine::log::{Nanoseconds, SECOND};
+use runglight_engine::plant::SignalClass;
 use runglight_engine::process::baseline::Markov;
 use runglight_engine::process::decay::{Decay, DecayState, FULL, Samples};
 use runglight_engine::process::event_log::EventLog;
 use runglight_engine::process::replay::{TokenReplay, Tokens};
+use runglight_engine::process::succession::Succession;
 
 use nets::{log_of, net_of};
 
@@ -149,10 +151,27 @@ fn samples_never_look_ahead() {
     let log = log_of(&["a", "b", "c"], &[early, late]);
     let mut replay = replay(&log);
     let decay = Decay::fit(&mut replay, &log, &[0]);
-    let samples = Samples::take(&mut replay, &decay, &log, &[0, 1]);
+    let samples = Samples::take(&mut replay, &decay, &log, &[0, 1], Succession::Separate);
     assert_eq!(samples.bounds, [0, 3, 6]);
     assert_eq!(samples.next, [1, 2, 1, 1, 2, 1]);
     assert_eq!(samples.rows(0..3), samples.rows(3..6));
+}
+
+#[test]
+fn the_reset_that_opens_the_next_run_is_foretold_too() {
+    let run: &[(u32, i64)] = &[(0, 0), (1, 2), (2, 5)];
+    let later: &[(u32, i64)] = &[(0, 6), (1, 8)];
+    let mut log = log_of(&["a", "b", "c"], &[run, later]);
+    assert_eq!(Succession::of(&log), Succession::Separate, "no PLC tells of this log");
+    log.activities[0].class = Some(SignalClass::Input);
+    assert_eq!(Succession::of(&log), Succession::Consecutive);
+    let mut replay = replay(&log);
+    let decay = Decay::fit(&mut replay, &log, &[0]);
+    let samples = Samples::take(&mut replay, &decay, &log, &[0, 1], Succession::of(&log));
+    assert_eq!(samples.next, [1, 2, 0, 1]);
+    assert_eq!(samples.event, [(0, 1), (0, 2), (1, 0), (1, 1)]);
+    log.time[3] = 0;
+    assert_eq!(Succession::of(&log), Succession::Separate, "runs of one machine do not overlap");
 }
 
 #[test]
@@ -161,11 +180,14 @@ fn baselines_count_what_follows() {
     let events: &[(u32, i64)] = &[(0, 0), (1, 1), (2, 2), (1, 3), (2, 4), (1, 5), (1, 6), (0, 7)];
     let log = log_of(&["a", "b", "c"], &[events]);
     let traces = [0];
-    let right = |order| Markov::fit(&log, &traces, order).score(&log, &traces);
+    let right = |order| {
+        let markov = Markov::fit(&log, &traces, order, Succession::Separate);
+        markov.score(&log, &traces, Succession::Separate)
+    };
     assert_eq!(right(0), (4, 7));
     assert_eq!(right(1), (5, 7));
     assert_eq!(right(2), (6, 7));
-    let markov = Markov::fit(&log, &traces, 2);
+    let markov = Markov::fit(&log, &traces, 2, Succession::Separate);
     assert_eq!(markov.next(&[2, 0]), Some(1), "an unknown pair falls back on the last activity");
     assert_eq!(markov.next(&[9]), Some(1), "and an unknown activity on the commonest");
 }

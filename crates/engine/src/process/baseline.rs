@@ -4,6 +4,7 @@
 use std::collections::HashMap;
 
 use super::event_log::{ActivityIndex, EventLog};
+use super::succession::Succession;
 
 /// How often each activity followed a context.
 type Counts = HashMap<ActivityIndex, u32>;
@@ -17,21 +18,18 @@ pub struct Markov {
 
 impl Markov {
     /// Counts followers of the last `order` activities and of every shorter context; order 0 is
-    /// the commonest activity. The first event of a trace opens it and is not foretold.
-    pub fn fit(log: &EventLog, traces: &[usize], order: usize) -> Self {
+    /// the commonest activity. Contexts lie inside one trace.
+    pub fn fit(log: &EventLog, traces: &[usize], order: usize, succession: Succession) -> Self {
         let mut followers = vec![HashMap::new(); order + 1];
-        for &trace in traces {
-            let activities = log.trace(trace);
-            for next in 1..activities.len() {
-                for (length, table) in followers.iter_mut().enumerate() {
-                    if length <= next {
-                        let counts: &mut Counts =
-                            table.entry(activities[next - length..next].to_vec()).or_default();
-                        *counts.entry(activities[next]).or_default() += 1;
-                    }
+        each(log, traces, succession, |before, next| {
+            for (length, table) in followers.iter_mut().enumerate() {
+                if length <= before.len() {
+                    let context = before[before.len() - length..].to_vec();
+                    let counts: &mut Counts = table.entry(context).or_default();
+                    *counts.entry(next).or_default() += 1;
                 }
             }
-        }
+        });
         Self { followers }
     }
 
@@ -47,15 +45,34 @@ impl Markov {
     }
 
     /// How many events it foretells rightly, and how many there were to foretell.
-    pub fn score(&self, log: &EventLog, traces: &[usize]) -> (usize, usize) {
+    pub fn score(
+        &self,
+        log: &EventLog,
+        traces: &[usize],
+        succession: Succession,
+    ) -> (usize, usize) {
         let mut score = (0, 0);
-        for &trace in traces {
-            let activities = log.trace(trace);
-            for next in 1..activities.len() {
-                score.0 += usize::from(self.next(&activities[..next]) == Some(activities[next]));
-                score.1 += 1;
+        each(log, traces, succession, |before, next| {
+            score.0 += usize::from(self.next(before) == Some(next));
+            score.1 += 1;
+        });
+        score
+    }
+}
+
+/// Every event that can be foretold, with the activities of its trace before it.
+fn each(
+    log: &EventLog,
+    traces: &[usize],
+    succession: Succession,
+    mut take: impl FnMut(&[ActivityIndex], ActivityIndex),
+) {
+    for &trace in traces {
+        let activities = log.trace(trace);
+        for event in 0..activities.len() {
+            if let Some((next_trace, next)) = succession.next(log, trace, event) {
+                take(&activities[..=event], log.trace(next_trace)[next]);
             }
         }
-        score
     }
 }

@@ -8,6 +8,7 @@ use std::ops::Range;
 use super::event_log::EventLog;
 use super::petri::{PetriNet, PlaceIndex, TransitionIndex};
 use super::replay::TokenReplay;
+use super::succession::Succession;
 use crate::log::{Nanoseconds, SECOND};
 
 /// β: the value of a place a token has just entered.
@@ -162,14 +163,16 @@ impl DecayState {
     }
 }
 
-/// One sample per event but the first of each trace: the state just after the event before, and
-/// the activity that followed.
+/// One sample per event that can be foretold: the state just after the event before it, and the
+/// activity that came.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Samples {
     /// Features, sample after sample.
     pub features: Vec<f32>,
-    /// Activity that followed.
+    /// Activity that came.
     pub next: Vec<u32>,
+    /// Trace and number of the event that came.
+    pub event: Vec<(usize, usize)>,
     /// First sample of each trace, and behind the last one the number of samples.
     pub bounds: Vec<usize>,
 }
@@ -177,33 +180,40 @@ pub struct Samples {
 impl Samples {
     /// Replays some traces. Samples are taken at the time of the event before: at the predicted
     /// event's own time they would give it away.
-    pub fn take(replay: &mut TokenReplay, decay: &Decay, log: &EventLog, traces: &[usize]) -> Self {
+    pub fn take(
+        replay: &mut TokenReplay,
+        decay: &Decay,
+        log: &EventLog,
+        traces: &[usize],
+        succession: Succession,
+    ) -> Self {
         let width = DecayState::features(replay.net().places.len());
-        let events: usize = traces.iter().map(|&t| log.trace(t).len().saturating_sub(1)).sum();
+        let events: usize = traces.iter().map(|&trace| log.trace(trace).len()).sum();
         let mut samples = Self {
             features: vec![0.0; events * width],
             next: Vec::with_capacity(events),
+            event: Vec::with_capacity(events),
             bounds: vec![0],
         };
         let mut state = DecayState::new(replay.net());
-        let mut rows = samples.features.chunks_exact_mut(width.max(1));
         for &trace in traces {
             let (activities, times) = (log.trace(trace), log.times(trace));
             if let Some(&first) = times.first() {
                 state.restart(replay.net(), first);
             }
             replay.restart();
-            for (index, (&activity, &time)) in activities.iter().zip(times).enumerate() {
+            for (event, (&activity, &time)) in activities.iter().zip(times).enumerate() {
                 let moved = replay.step(activity);
                 state.follow(replay.touched(&moved), replay.marking(), time);
-                let Some(&next) = activities.get(index + 1) else { break };
-                samples.next.push(next);
-                if let Some(row) = rows.next() {
-                    state.sample(decay, time, row);
-                }
+                let Some(next) = succession.next(log, trace, event) else { break };
+                let row = samples.next.len() * width;
+                state.sample(decay, time, &mut samples.features[row..row + width]);
+                samples.next.push(log.trace(next.0)[next.1]);
+                samples.event.push(next);
             }
             samples.bounds.push(samples.next.len());
         }
+        samples.features.truncate(samples.next.len() * width);
         samples
     }
 
