@@ -9,5 +9,8 @@ pub mod network;
 pub mod next_activity;
 pub mod petri;
 pub mod replay;
+pub mod reset;
 pub mod silent;
+pub mod slicing;
 pub mod succession;
+pub mod watching;

@@ -17,6 +17,7 @@ pub mod next_directory;
 mod options;
 mod output;
 mod parquet;
+pub mod pnml;
 mod report;
 pub mod rules_table;
 mod sampler;
@@ -27,6 +28,7 @@ mod time;
 mod value;
 mod vcd;
 mod xes;
+mod xml;
 
 use std::path::Path;
 
