@@ -240,6 +240,9 @@ def train_next(
 ) -> NextActivity:
     """Trains on some traces; `progress(epoch, loss, held_out_loss)` is called after each epoch."""
 
+def decay_samples(log: EventLog, net: PetriNet, traces: Sequence[int]) -> tuple[Any, Any]:
+    """Features (float32, one row per sample: decay, counter and tokens of each place) and the activity that came (uint32)."""
+
 def load_next(path: str, net: PetriNet, net_path: str = "") -> NextActivity:
     """Reads a trained network. Raises ModelError where it is damaged, or of another net."""
 

@@ -171,6 +171,17 @@ def load_next(path: str | PathLike[str], net: PetriNet, net_path: str = "") -> N
     return NextActivity(_engine.load_next(os.fspath(path), net.engine, net_path))
 
 
+def decay_samples(
+    log: EventLog, net: PetriNet, traces: Sequence[int] | None = None
+) -> tuple[Any, Any]:
+    """What a network is trained with: numpy features and the number of the activity that came.
+
+    A row holds the decay, the counter and the tokens of each place just after the event before, not
+    scaled: a float32 array of shape (samples, 3 * places).
+    """
+    return _engine.decay_samples(log.engine, net.engine, _all(log, traces))
+
+
 def markov(log: EventLog, train: Sequence[int], test: Sequence[int], order: int) -> Accuracy:
     """What the network must beat: the activity that most often followed the last `order` ones.
 
@@ -185,7 +196,7 @@ def folds(traces: int, count: int) -> Iterator[tuple[list[int], list[int]]]:
         raise InputError(f"folds: {traces} run is too few to hold some of them back; record more")
     if not 2 <= count <= traces:
         raise InputError(
-            f"folds: {traces} runs cannot be cut into {count} folds; give a number from 2 to {traces}"
+            f"folds: {traces} runs make no {count} folds; give a number from 2 to {traces}"
         )
     for fold in range(count):
         start, end = traces * fold // count, traces * (fold + 1) // count
