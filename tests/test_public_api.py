@@ -22,11 +22,14 @@ PUBLIC = [
     "MinedProcess",
     "ModelError",
     "Monitor",
+    "NextActivity",
+    "NextMonitor",
     "NominalModel",
     "Parameters",
     "PetriNet",
     "ReadOptions",
     "RunglightError",
+    "TrainingSettings",
     "__version__",
     "event_log",
     "finding_schema",
@@ -34,11 +37,13 @@ PUBLIC = [
     "learn",
     "learn_cycle",
     "load_model",
+    "load_next",
     "mine",
     "read_event_log",
     "read_log",
     "read_net",
     "sweep_tau",
+    "train_next",
 ]
 
 

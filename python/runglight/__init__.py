@@ -28,6 +28,13 @@ if TYPE_CHECKING:
     from runglight.model import Monitor, NominalModel, learn, learn_cycle, load_model
     from runglight.process.event_log import EventLog, event_log, read_event_log
     from runglight.process.mining import MinedProcess, mine
+    from runglight.process.next_activity import (
+        NextActivity,
+        NextMonitor,
+        TrainingSettings,
+        load_next,
+        train_next,
+    )
     from runglight.process.petri_net import PetriNet, read_net
 
 __all__ = [
@@ -40,11 +47,14 @@ __all__ = [
     "MinedProcess",
     "ModelError",
     "Monitor",
+    "NextActivity",
+    "NextMonitor",
     "NominalModel",
     "Parameters",
     "PetriNet",
     "ReadOptions",
     "RunglightError",
+    "TrainingSettings",
     "__version__",
     "event_log",
     "finding_schema",
@@ -52,11 +62,13 @@ __all__ = [
     "learn",
     "learn_cycle",
     "load_model",
+    "load_next",
     "mine",
     "read_event_log",
     "read_log",
     "read_net",
     "sweep_tau",
+    "train_next",
 ]
 
 # Where each public name lives. A plain `import runglight` loads none of these rooms, so that the
@@ -71,11 +83,14 @@ _HOMES = {
     "MinedProcess": "runglight.process.mining",
     "ModelError": "runglight.errors",
     "Monitor": "runglight.model",
+    "NextActivity": "runglight.process.next_activity",
+    "NextMonitor": "runglight.process.next_activity",
     "NominalModel": "runglight.model",
     "Parameters": "runglight.configuration",
     "PetriNet": "runglight.process.petri_net",
     "ReadOptions": "runglight.log.options",
     "RunglightError": "runglight.errors",
+    "TrainingSettings": "runglight.process.next_activity",
     "__version__": "runglight._engine",
     "event_log": "runglight.process.event_log",
     "finding_schema": "runglight.findings.schema",
@@ -83,11 +98,13 @@ _HOMES = {
     "learn": "runglight.model",
     "learn_cycle": "runglight.model",
     "load_model": "runglight.model",
+    "load_next": "runglight.process.next_activity",
     "mine": "runglight.process.mining",
     "read_event_log": "runglight.process.event_log",
     "read_log": "runglight.log.changelog",
     "read_net": "runglight.process.petri_net",
     "sweep_tau": "runglight.identification.sweep",
+    "train_next": "runglight.process.next_activity",
 }
 
 

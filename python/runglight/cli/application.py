@@ -38,6 +38,7 @@ COMMANDS = {
     "confirm": ("confirm:confirm", "Accept a finding's path: from now on it is nominal."),
     "identify": ("identify:identify", "Find the address that declared events mean."),
     "mine": ("mine:mine", "Mine the net that the runs of a machine follow."),
+    "predict": ("predict:application", "Foretell what comes next in a run: train, evaluate."),
     "import": ("import_log:import_log", "Turn any log into a change log."),
     "export": ("export:export", "Write a log for another tool: CSV, Parquet, XES, VCD."),
     "simulate": ("simulate:application", "Write the log of a simulated plant, sound or broken."),
