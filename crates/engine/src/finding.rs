@@ -74,6 +74,8 @@ pub enum Model {
     Plant,
     /// A region's cycle machine.
     Cycle,
+    /// The mined net, and what comes next in it.
+    Process,
 }
 
 /// What should have happened instead.

@@ -1,7 +1,7 @@
 """A plant that runs for as long as somebody looks: the seam between machines and soft PLCs."""
 
 from collections.abc import Callable, Mapping
-from typing import NamedTuple, Protocol
+from typing import NamedTuple, Protocol, runtime_checkable
 
 from runglight.plants.faults import FaultDescription, FaultLabel
 from runglight.plants.symbols import Symbol
@@ -65,3 +65,11 @@ class RunningPlant(Protocol):
 
     def acting(self) -> tuple[FaultDescription, ...]:
         """Faults that have begun and not passed."""
+
+
+@runtime_checkable
+class WritablePlant(RunningPlant, Protocol):
+    """A machine without a PLC of its own: a controller elsewhere writes its outputs."""
+
+    def write(self, number: int, value: int) -> None:
+        """Sets output `number` (counted among the outputs of `symbols`) at the time advanced to."""
