@@ -14,6 +14,7 @@ from tests.conftest import simulated
 
 PUBLIC = [
     "CycleModel",
+    "EventLog",
     "Findings",
     "InputError",
     "Log",
@@ -21,14 +22,17 @@ PUBLIC = [
     "Monitor",
     "NominalModel",
     "Parameters",
+    "PetriNet",
     "ReadOptions",
     "RunglightError",
     "__version__",
+    "event_log",
     "finding_schema",
     "learn",
     "learn_cycle",
     "load_model",
     "read_log",
+    "read_net",
 ]
 
 

@@ -24,9 +24,12 @@ if TYPE_CHECKING:
     from runglight.log.changelog import Log, read_log
     from runglight.log.options import ReadOptions
     from runglight.model import Monitor, NominalModel, learn, learn_cycle, load_model
+    from runglight.process.event_log import EventLog, event_log
+    from runglight.process.petri_net import PetriNet, read_net
 
 __all__ = [
     "CycleModel",
+    "EventLog",
     "Findings",
     "InputError",
     "Log",
@@ -34,20 +37,24 @@ __all__ = [
     "Monitor",
     "NominalModel",
     "Parameters",
+    "PetriNet",
     "ReadOptions",
     "RunglightError",
     "__version__",
+    "event_log",
     "finding_schema",
     "learn",
     "learn_cycle",
     "load_model",
     "read_log",
+    "read_net",
 ]
 
 # Where each public name lives. A plain `import runglight` loads none of these rooms, so that the
 # command line answers `--help` at once.
 _HOMES = {
     "CycleModel": "runglight.cycle_model",
+    "EventLog": "runglight.process.event_log",
     "Findings": "runglight.findings.batch",
     "InputError": "runglight.errors",
     "Log": "runglight.log.changelog",
@@ -55,14 +62,17 @@ _HOMES = {
     "Monitor": "runglight.model",
     "NominalModel": "runglight.model",
     "Parameters": "runglight.configuration",
+    "PetriNet": "runglight.process.petri_net",
     "ReadOptions": "runglight.log.options",
     "RunglightError": "runglight.errors",
     "__version__": "runglight._engine",
+    "event_log": "runglight.process.event_log",
     "finding_schema": "runglight.findings.schema",
     "learn": "runglight.model",
     "learn_cycle": "runglight.model",
     "load_model": "runglight.model",
     "read_log": "runglight.log.changelog",
+    "read_net": "runglight.process.petri_net",
 }
 
 

@@ -151,3 +151,56 @@ def learn_cycle(
     """Learns the cycle machine alone."""
 
 def load_model(directory: str) -> NominalModel: ...
+
+class EventLog:
+    """The runs of a machine: traces of activities."""
+
+    @staticmethod
+    def from_traces(traces: Sequence[Sequence[str]]) -> EventLog:
+        """From names; the events of a trace are one second apart."""
+    def __len__(self) -> int:
+        """Number of events."""
+    @property
+    def traces(self) -> int:
+        """Number of traces."""
+    @property
+    def activities(self) -> list[tuple[str, str | None]]:
+        """Name and class (`input`, `output` or None) of each activity."""
+    @property
+    def names(self) -> list[str]:
+        """Name of each trace."""
+    def columns(self) -> tuple[Any, Any, Any]:
+        """`(activity uint32, time_ns int64, bounds uint64)` as numpy arrays; trace `n` is `bounds[n]:bounds[n + 1]`."""
+    def select(self, traces: Sequence[int]) -> EventLog:
+        """Some of the traces; activities keep their numbers."""
+
+def event_log(
+    log: ChangeLog,
+    reset: str,
+    symbols_csv: str | None = None,
+    naming: str | None = None,
+    keep_partial: bool = False,
+    only: Sequence[str] = (),
+) -> EventLog:
+    """Cuts an I/O log into runs at the activities that contain `reset` (`%IX0.1=0`). Raises InputError."""
+
+class PetriNet:
+    """A labelled Petri net with its initial and final marking."""
+
+    @staticmethod
+    def read_pnml(path: str) -> PetriNet:
+        """Raises InputError."""
+    def write_pnml(self, path: str) -> None: ...
+    @property
+    def name(self) -> str: ...
+    @property
+    def places(self) -> list[str]:
+        """Identifiers of the places."""
+    @property
+    def initial(self) -> list[int]:
+        """Tokens of each place before the first event."""
+    @property
+    def last(self) -> list[int]:
+        """Tokens of each place after the last event."""
+    def transitions(self) -> list[tuple[str, str | None, str | None, list[int], list[int]]]:
+        """`(id, label, class, input places, output places)`; silent ones have no label."""

@@ -3,3 +3,5 @@
 
 pub mod event_log;
 pub mod petri;
+pub mod reset;
+pub mod slicing;

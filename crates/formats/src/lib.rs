@@ -16,6 +16,7 @@ mod names;
 mod options;
 mod output;
 mod parquet;
+pub mod pnml;
 mod report;
 pub mod rules_table;
 mod sampler;
@@ -25,6 +26,7 @@ mod time;
 mod value;
 mod vcd;
 mod xes;
+mod xml;
 
 use std::path::Path;
 

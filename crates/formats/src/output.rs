@@ -22,6 +22,28 @@ use crate::xes;
 pub fn write(log: &ChangeLog, path: &Path, format: Option<Format>) -> Result<u64, FormatError> {
     let format = format.map_or_else(|| Format::from_path(path), Ok)?;
     check(log)?;
+    if format == Format::Xes && !xes::can_write(log) {
+        return Err(FormatError::Unwritable {
+            path: path.to_owned(),
+            format: "XES",
+            reason: "a signal's name holds a character that XML does not have; rename it"
+                .to_owned(),
+        });
+    }
+    whole(path, |into| match format {
+        Format::Csv => csv::write(log, into, delimiter(path)),
+        Format::Parquet => parquet::write(log, into).map_err(std::io::Error::other),
+        Format::Xes => xes::write(log, into),
+        Format::Vcd => vcd::write(log, into),
+    })?;
+    Ok(log.len() as u64)
+}
+
+/// Writes a file by a temporary name that is renamed when it is complete and on the disk.
+pub(crate) fn whole(
+    path: &Path,
+    write: impl FnOnce(&mut BufWriter<tempfile::NamedTempFile>) -> std::io::Result<()>,
+) -> Result<(), FormatError> {
     let failed = |error| FormatError::io(path, "write this file", error);
     if path.is_dir() {
         return Err(FormatError::NotAFile { path: path.to_owned(), found: "a directory" });
@@ -32,27 +54,12 @@ pub fn write(log: &ChangeLog, path: &Path, format: Option<Format>) -> Result<u64
     };
     let temporary = temporary_file(directory).map_err(failed)?;
     let mut buffered = BufWriter::with_capacity(1 << 20, temporary);
-    match format {
-        Format::Csv => csv::write(log, &mut buffered, delimiter(path)).map_err(failed)?,
-        Format::Parquet => parquet::write(log, &mut buffered)
-            .map_err(|error| failed(std::io::Error::other(error)))?,
-        Format::Xes if !xes::can_write(log) => {
-            return Err(FormatError::Unwritable {
-                path: path.to_owned(),
-                format: "XES",
-                reason: "a signal's name holds a character that XML does not have; rename it"
-                    .to_owned(),
-            });
-        }
-        Format::Xes => xes::write(log, &mut buffered).map_err(failed)?,
-        Format::Vcd => vcd::write(log, &mut buffered).map_err(failed)?,
-    }
+    write(&mut buffered).map_err(failed)?;
     buffered.flush().map_err(failed)?;
     let temporary = buffered.into_inner().map_err(|error| failed(error.into_error()))?;
     temporary.as_file().sync_all().map_err(failed)?;
     temporary.persist(path).map_err(|error| failed(error.error))?;
-    sync_directory(directory).map_err(failed)?;
-    Ok(log.len() as u64)
+    sync_directory(directory).map_err(failed)
 }
 
 /// A log with rows that no format could carry is refused: rows never vanish.

@@ -17,6 +17,7 @@ use crate::options::ReadOptions;
 use crate::source::Source;
 use crate::time::{self, TimeFormat, TimeParser};
 use crate::value::{self, Cell};
+use crate::xml::escaped;
 
 const NAME: &str = "concept:name";
 const TIME: &str = "time:timestamp";
@@ -319,26 +320,4 @@ pub(crate) fn write(log: &ChangeLog, into: &mut dyn Write) -> io::Result<()> {
         writeln!(into, "\"/><int key=\"value\" value=\"{value}\"/></event>")?;
     }
     into.write_all(b"\t</trace>\n</log>\n")
-}
-
-/// Text for an attribute; what a reader would normalise is written as a reference.
-fn escaped(text: &str) -> String {
-    use std::fmt::Write;
-    let mut escaped = String::with_capacity(text.len());
-    for character in text.chars() {
-        match character {
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            '\'' => escaped.push_str("&apos;"),
-            '\u{2028}' => escaped.push_str("&#8232;"),
-            control if control.is_control() => {
-                // Writing into a string cannot fail.
-                let _ = write!(escaped, "&#{};", u32::from(control));
-            }
-            plain => escaped.push(plain),
-        }
-    }
-    escaped
 }

@@ -7,6 +7,7 @@ mod errors;
 mod findings;
 mod model;
 mod monitor;
+mod process;
 mod stream;
 
 use pyo3::prelude::*;
@@ -23,12 +24,15 @@ fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<model::PyNominalModel>()?;
     module.add_class::<model::PyRules>()?;
     module.add_class::<monitor::PyMonitor>()?;
+    module.add_class::<process::event_log::PyEventLog>()?;
+    module.add_class::<process::petri_net::PyPetriNet>()?;
     module.add_function(wrap_pyfunction!(change_log::read_log, module)?)?;
     module.add_function(wrap_pyfunction!(change_log::write_log, module)?)?;
     module.add_function(wrap_pyfunction!(change_log::log_from_columns, module)?)?;
     module.add_function(wrap_pyfunction!(cycle::learn_cycle, module)?)?;
     module.add_function(wrap_pyfunction!(model::learn, module)?)?;
     module.add_function(wrap_pyfunction!(model::load_model, module)?)?;
+    module.add_function(wrap_pyfunction!(process::event_log::event_log, module)?)?;
     Ok(())
 }
 

@@ -1,0 +1,4 @@
+//! Process mining: event logs and Petri nets.
+
+pub mod event_log;
+pub mod petri_net;
