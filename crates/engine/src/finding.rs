@@ -74,7 +74,7 @@ pub enum Model {
     Plant,
     /// A region's cycle machine.
     Cycle,
-    /// The mined net, and what comes next in it.
+    /// The net its runs follow, and what comes next in it.
     Process,
 }
 

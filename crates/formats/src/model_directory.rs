@@ -4,8 +4,7 @@
 //! It is written beside its place and renamed when complete, so no reader ever sees half a model.
 //! The manifest holds checksums of the others: what was damaged or mixed is refused.
 
-use std::ffi::OsString;
-use std::fs::{self, File};
+use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
@@ -24,6 +23,7 @@ use runglight_engine::signal_state::parameters::Parameters;
 use runglight_engine::signal_state::states::States;
 
 use crate::rules_table;
+use crate::staged::{self, checksum, write_synced};
 
 /// Version of the directory's layout.
 pub const MODEL_FORMAT: u32 = 1;
@@ -123,30 +123,12 @@ pub fn save(
     provenance: &Provenance,
     path: &Path,
 ) -> Result<(), ModelError> {
-    if path.exists() && !path.join(MANIFEST).is_file() && !is_empty_directory(path) {
+    if path.exists() && !path.join(MANIFEST).is_file() && !staged::is_empty_directory(path) {
         return Err(ModelError::Taken { path: path.to_owned() });
     }
-    let staging = beside(path, "new");
-    let io = |action| move |source| ModelError::Io { path: path.to_owned(), action, source };
-    let _ = fs::remove_dir_all(&staging);
-    fs::create_dir_all(&staging).map_err(io("create the model directory"))?;
-    let written =
-        write_files(model, cycle, provenance, &staging).and_then(|()| replace(path, &staging));
-    if written.is_err() {
-        let _ = fs::remove_dir_all(&staging);
-    }
-    written.map_err(io("write the model"))
-}
-
-fn is_empty_directory(path: &Path) -> bool {
-    fs::read_dir(path).is_ok_and(|mut entries| entries.next().is_none())
-}
-
-/// `model.new-123` beside `model`.
-fn beside(path: &Path, purpose: &str) -> PathBuf {
-    let mut name = path.file_name().map_or_else(|| OsString::from("model"), OsString::from);
-    name.push(format!(".{purpose}-{}", std::process::id()));
-    path.with_file_name(name)
+    staged::replace(path, &OWN, |staging| write_files(model, cycle, provenance, staging)).map_err(
+        |source| ModelError::Io { path: path.to_owned(), action: "write the model", source },
+    )
 }
 
 fn write_files(
@@ -186,32 +168,6 @@ fn write_files(
     };
     let text = serde_json::to_vec_pretty(&manifest).map_err(io::Error::other)?;
     write_synced(&into.join(MANIFEST), &text)
-}
-
-fn write_synced(path: &Path, bytes: &[u8]) -> io::Result<()> {
-    fs::write(path, bytes)?;
-    File::open(path)?.sync_all()
-}
-
-/// Moves what else lies in the old directory over, then swaps the two.
-fn replace(path: &Path, staging: &Path) -> io::Result<()> {
-    if !path.exists() {
-        return fs::rename(staging, path);
-    }
-    let old = beside(path, "old");
-    for entry in fs::read_dir(path)? {
-        let name = entry?.file_name();
-        if !OWN.iter().any(|own| name == *own) {
-            fs::rename(path.join(&name), staging.join(&name))?;
-        }
-    }
-    fs::rename(path, &old)?;
-    fs::rename(staging, path)?;
-    fs::remove_dir_all(old)
-}
-
-fn checksum(bytes: &[u8]) -> String {
-    format!("{:016x}", xxhash_rust::xxh3::xxh3_64(bytes))
 }
 
 /// Reads a model.

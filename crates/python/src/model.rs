@@ -251,7 +251,7 @@ pub fn load_model(py: Python<'_>, directory: &str) -> PyResult<PyNominalModel> {
 }
 
 /// The present time, ISO 8601 UTC.
-fn now_text() -> String {
+pub fn now_text() -> String {
     let since_epoch = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
     time_text(i64::try_from(since_epoch.as_nanos()).unwrap_or(i64::MAX))
 }
