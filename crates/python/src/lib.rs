@@ -26,6 +26,8 @@ fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<monitor::PyMonitor>()?;
     module.add_class::<process::event_log::PyEventLog>()?;
     module.add_class::<process::petri_net::PyPetriNet>()?;
+    module.add_class::<process::next_activity::PyNextActivity>()?;
+    module.add_class::<process::next_monitor::PyNextMonitor>()?;
     module.add_function(wrap_pyfunction!(change_log::read_log, module)?)?;
     module.add_function(wrap_pyfunction!(change_log::write_log, module)?)?;
     module.add_function(wrap_pyfunction!(change_log::log_from_columns, module)?)?;
@@ -33,6 +35,9 @@ fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(model::learn, module)?)?;
     module.add_function(wrap_pyfunction!(model::load_model, module)?)?;
     module.add_function(wrap_pyfunction!(process::event_log::event_log, module)?)?;
+    module.add_function(wrap_pyfunction!(process::next_activity::train_next, module)?)?;
+    module.add_function(wrap_pyfunction!(process::next_activity::load_next, module)?)?;
+    module.add_function(wrap_pyfunction!(process::next_activity::markov_score, module)?)?;
     Ok(())
 }
 

@@ -1,4 +1,6 @@
 //! Process mining: event logs and Petri nets.
 
 pub mod event_log;
+pub mod next_activity;
+pub mod next_monitor;
 pub mod petri_net;

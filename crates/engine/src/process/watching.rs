@@ -295,8 +295,7 @@ impl NextMonitor {
         let from = self.watch.path.last().cloned().unwrap_or_default();
         let mut finding = Finding::new(Kind::Transition, Model::Process, time);
         finding.id = stable_id(Kind::Transition, "process", &from, name, time);
-        finding.incident =
-            self.watch.incident.get_or_insert_with(|| finding.id.clone()).clone();
+        finding.incident = self.watch.incident.get_or_insert_with(|| finding.id.clone()).clone();
         finding.message = message(name, came.is_some(), probability, &expected);
         finding.signal = Some(signal.to_owned());
         finding.to = Some(name.to_owned());
@@ -310,7 +309,11 @@ impl NextMonitor {
 
 fn message(name: &str, known: bool, probability: f32, expected: &[Expected]) -> String {
     let percent = |probability: f64| {
-        if probability < 0.001 { "under 0.1 %".to_owned() } else { format!("{:.1} %", probability * 100.0) }
+        if probability < 0.001 {
+            "under 0.1 %".to_owned()
+        } else {
+            format!("{:.1} %", probability * 100.0)
+        }
     };
     let instead = expected.first().map_or(String::new(), |most| {
         format!(", where {} was likely ({})", most.state, percent(most.probability))

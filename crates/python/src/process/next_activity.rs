@@ -68,9 +68,8 @@ impl PyNextActivity {
             let succession = Succession::of(log);
             lesson::foretell(&mut self.next.clone(), &self.net, log, &traces, succession)
         });
-        let column = |of: fn(&lesson::Foretold) -> u64| -> Vec<u64> {
-            foretold.iter().map(of).collect()
-        };
+        let column =
+            |of: fn(&lesson::Foretold) -> u64| -> Vec<u64> { foretold.iter().map(of).collect() };
         Ok((
             column(|event| event.trace as u64).into_pyarray(py),
             column(|event| event.event as u64).into_pyarray(py),
