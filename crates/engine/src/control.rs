@@ -14,6 +14,7 @@ pub mod guards;
 pub mod learn;
 pub mod message;
 pub mod moves;
+pub mod network;
 pub mod program;
 pub mod shadow;
 pub mod situations;

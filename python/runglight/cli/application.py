@@ -38,6 +38,7 @@ COMMANDS = {
     "confirm": ("confirm:confirm", "Accept a finding's path: from now on it is nominal."),
     "import": ("import_log:import_log", "Turn any log into a change log."),
     "export": ("export:export", "Write a log for another tool: CSV, Parquet, XES, VCD."),
+    "control": ("control:application", "Run the learned controller, or beside the real one."),
     "simulate": ("simulate:application", "Write the log of a simulated plant, sound or broken."),
 }
 

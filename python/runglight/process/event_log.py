@@ -70,8 +70,7 @@ class EventLog:
         names = [name for name, _ in self.activities]
         activity, _, bounds = self.columns()
         return [
-            [names[number] for number in activity[start:end]]
-            for start, end in pairwise(bounds)
+            [names[number] for number in activity[start:end]] for start, end in pairwise(bounds)
         ]
 
 

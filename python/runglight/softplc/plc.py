@@ -75,6 +75,11 @@ class SoftPlc:
         return self._server.symbols
 
     @property
+    def writable(self) -> bool:
+        """Whether a controller elsewhere can write the plant's outputs."""
+        return isinstance(self._plant, WritablePlant) and self._url.scheme == "modbus"
+
+    @property
     def serving(self) -> bool:
         """Whether clients are answered."""
         return self._catching_up is not None

@@ -3,6 +3,7 @@
 use super::error::ControlError;
 use crate::plant::SignalClass;
 use crate::process::petri::{Marking, PetriNet, TransitionIndex};
+use crate::process::reset::parse_changes;
 
 /// Dense number of a terminal: an input or output of the PLC that the net speaks of.
 pub type TerminalIndex = usize;
@@ -48,7 +49,7 @@ impl Program {
                 parsed.push(None);
                 continue;
             };
-            let changes = changes_of(label);
+            let changes = parse_changes(label).unwrap_or_default();
             if changes.is_empty() {
                 return Err(ControlError::NoChanges { label: label.clone() });
             }
@@ -143,17 +144,4 @@ impl Program {
         let found = self.net.transitions.iter().position(|transition| transition.id == id);
         found.map(|index| index as TransitionIndex)
     }
-}
-
-/// `%IX0.1=0 & %IX0.2=1` as addresses and values; none where it is anything else.
-fn changes_of(label: &str) -> Vec<(String, i64)> {
-    let changes: Option<Vec<_>> = label
-        .split(" & ")
-        .map(|change| {
-            let (address, value) = change.rsplit_once('=')?;
-            let value = value.trim().parse().ok()?;
-            (!address.trim().is_empty()).then(|| (address.trim().to_owned(), value))
-        })
-        .collect();
-    changes.unwrap_or_default()
 }

@@ -2,7 +2,7 @@
 
 from runglight.plants.tank.faults import FAULTS
 from runglight.plants.tank.programs import PROGRAMS
-from runglight.plants.tank.running import RunningTank
+from runglight.plants.tank.running import RunningTank, run_tank
 from runglight.plants.tank.scenarios import SCENARIOS, Scenario
 from runglight.plants.tank.simulate import simulate_tank
 from runglight.plants.tank.symbols import INPUTS, OUTPUTS, SYMBOLS
@@ -16,5 +16,6 @@ __all__ = [
     "SYMBOLS",
     "RunningTank",
     "Scenario",
+    "run_tank",
     "simulate_tank",
 ]

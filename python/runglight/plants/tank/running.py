@@ -9,6 +9,7 @@ from runglight.plants.symbols import Symbol
 from runglight.plants.tank.faults import FAULTS, SENSOR_OF, VALVE_OF
 from runglight.plants.tank.flows import P1, Flows
 from runglight.plants.tank.plant import TankPlant
+from runglight.plants.tank.scenarios import SCENARIOS
 from runglight.plants.tank.symbols import INPUTS, OUTPUTS, SYMBOLS
 
 
@@ -117,9 +118,7 @@ class RunningTank:
         injected.began = True
         number = injected.fault.number
         if number in SENSOR_OF:
-            self.plant.stick(
-                SENSOR_OF[number], injected.fault.kind is FaultKind.SENSOR_STUCK_ON
-            )
+            self.plant.stick(SENSOR_OF[number], injected.fault.kind is FaultKind.SENSOR_STUCK_ON)
         else:
             self.plant.jam(VALVE_OF[number], is_open=False)
 
@@ -131,3 +130,8 @@ class RunningTank:
     def _tell(self, time_ns: int, number: int, value: int) -> None:
         for listener in self._listeners:
             listener(time_ns, number, value)
+
+
+def run_tank(start_ns: int, seed: int = 1, scenario: str = "1") -> RunningTank:
+    """The tank of a scenario at work, without its program."""
+    return RunningTank(start_ns, seed, SCENARIOS[scenario].flows)
