@@ -3,7 +3,7 @@ one virtual time, real sockets."""  # noqa: D205, D209
 
 import asyncio
 import json
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -22,11 +22,33 @@ from runglight.plants.tank.simulate import SCAN_NS, START_NS
 from runglight.softplc import PlcChange, serve
 from runglight.softplc.remote_program import remote_program
 from runglight.taps import open_tap
+from runglight.taps.grid import Grid
 from runglight.taps.virtual_clock import VirtualClock
 
 SECOND_NS = 1_000_000_000
 ADDRESS = {symbol.name: symbol.address for symbol in SYMBOLS}
 RESET = "%IX0.1=0"
+
+
+AWAKE_NS = 600_000_000
+"""Every scan is run for so long after anything has changed."""
+
+
+class SparseGrid(Grid):
+    """The PLC's grid without the scans in which provably nothing can have changed: hours take
+    minutes, and what is seen is the same."""  # noqa: D205, D209
+
+    def __init__(self, plant: RunningTank, changed_ns: Callable[[], int]) -> None:
+        super().__init__(SCAN_NS)
+        self._plant = plant
+        self._changed_ns = changed_ns
+
+    def next_ns(self, now_ns: int) -> int:
+        """The next slot at which something can be seen."""
+        due_ns = self._plant.plant.next_event_ns()
+        if now_ns - self._changed_ns() > AWAKE_NS and due_ns is not None:
+            return super().next_ns(max(now_ns, due_ns))
+        return super().next_ns(now_ns)
 
 
 @dataclass
@@ -82,59 +104,69 @@ def at_the_tank(
     shadow: Shadow | None = None,
     tap: bool = False,
     fault: str | None = None,
+    sparse: bool = True,
 ) -> Outcome:
     """Lets a program or a learned controller work for so long; a shadow and a tap may look on."""
-    return asyncio.run(_work(by, flows, seconds, seed, shadow, tap, fault))
-
-
-async def _work(  # noqa: PLR0917
-    by: Ladder | Controller | LadderProgram,
-    flows: Flows,
-    seconds: float,
-    seed: int,
-    shadow: Shadow | None,
-    tap: bool,
-    fault: str | None,
-) -> Outcome:
-    clock = VirtualClock(START_NS)
-    plant = RunningTank(START_NS, seed, flows)
-    outcome = Outcome()
-    until_ns = START_NS + round(seconds * SECOND_NS)
-
-    def tell(lines: list[str]) -> None:
-        outcome.findings.extend(map(json.loads, lines))
-
+    work = _Work(RunningTank(START_NS, seed, flows), sparse=sparse)
     if fault is not None:
-        plant.inject(fault, START_NS + 60 * SECOND_NS)
-    async with serve(plant, "modbus://127.0.0.1:0", clock, keep_changes=True) as plc:
-        url = str(plc.url)
-        loops = [_controlling(by, url, clock, tell)]
-        if shadow is not None:
-            loops.append(_loop(shadow.terminals, url, clock, Beside(shadow, tell)))
-        tasks = [asyncio.create_task(loop.run(until_ns)) for loop in loops]
-        if tap:
-            outcome.log = await _recorded(plc.tap_url, clock, until_ns)
-        await asyncio.gather(*tasks)
-        outcome.changes = [change for change in plc.changes if change.time_ns < until_ns]
-        outcome.scans = loops[0].scans
-    outcome.lowest, outcome.highest = plant.plant.lowest, plant.plant.highest
-    outcome.spilt = plant.plant.spilt
-    return outcome
+        work.plant.inject(fault, START_NS + 60 * SECOND_NS)
+    return asyncio.run(work.run(by, seconds, shadow, tap=tap))
 
 
-def _controlling(
-    by: Ladder | Controller | LadderProgram, url: str, clock: VirtualClock, tell: Any
-) -> ScanLoop:
-    if isinstance(by, Controller):
-        return _loop(by.terminals, url, clock, InControl(by, tell))
-    program = LadderProgram(by) if isinstance(by, Ladder) else by
-    return remote_program(program, SYMBOLS, url, clock=clock, interval_ns=SCAN_NS)
+class _Work:
+    """One run."""
 
+    def __init__(self, plant: RunningTank, *, sparse: bool) -> None:
+        self.plant = plant
+        self._sparse = sparse
+        self._clock = VirtualClock(START_NS)
+        self._outcome = Outcome()
+        self._changed_ns = START_NS
+        plant.on_change(self._hear)
 
-def _loop(
-    rows: list[tuple[str, str]], url: str, clock: VirtualClock, stepper: Stepper
-) -> ScanLoop:
-    return ScanLoop(PlantLink(url, Terminals.of(rows)), clock, SCAN_NS, stepper)
+    async def run(
+        self,
+        by: Ladder | Controller | LadderProgram,
+        seconds: float,
+        shadow: Shadow | None,
+        *,
+        tap: bool,
+    ) -> Outcome:
+        outcome = self._outcome
+        until_ns = START_NS + round(seconds * SECOND_NS)
+        async with serve(self.plant, "modbus://127.0.0.1:0", self._clock, keep_changes=True) as plc:
+            url = str(plc.url)
+            loops = [self._controlling(by, url)]
+            if shadow is not None:
+                loops.append(self._loop(shadow.terminals, url, Beside(shadow, self._tell)))
+            tasks = [asyncio.create_task(loop.run(until_ns)) for loop in loops]
+            if tap:
+                outcome.log = await _recorded(plc.tap_url, self._clock, until_ns)
+            await asyncio.gather(*tasks)
+            outcome.changes = [change for change in plc.changes if change.time_ns < until_ns]
+            outcome.scans = loops[0].scans
+        tank = self.plant.plant
+        outcome.lowest, outcome.highest, outcome.spilt = tank.lowest, tank.highest, tank.spilt
+        return outcome
+
+    def _tell(self, lines: list[str]) -> None:
+        self._outcome.findings.extend(map(json.loads, lines))
+
+    def _hear(self, time_ns: int, number: int, value: int) -> None:
+        del number, value
+        self._changed_ns = max(self._changed_ns, time_ns)
+
+    def _grid(self) -> Grid:
+        return SparseGrid(self.plant, lambda: self._changed_ns) if self._sparse else Grid(SCAN_NS)
+
+    def _controlling(self, by: Ladder | Controller | LadderProgram, url: str) -> ScanLoop:
+        if isinstance(by, Controller):
+            return self._loop(by.terminals, url, InControl(by, self._tell))
+        program = LadderProgram(by) if isinstance(by, Ladder) else by
+        return remote_program(program, SYMBOLS, url, clock=self._clock, grid=self._grid())
+
+    def _loop(self, rows: list[tuple[str, str]], url: str, stepper: Stepper) -> ScanLoop:
+        return ScanLoop(PlantLink(url, Terminals.of(rows)), self._clock, self._grid(), stepper)
 
 
 async def _recorded(url: str, clock: VirtualClock, until_ns: int) -> Log:

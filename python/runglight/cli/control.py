@@ -219,9 +219,10 @@ class _Run:
     ) -> tuple[ScanLoop, int]:
         from runglight.control.loop import ScanLoop  # noqa: PLC0415
         from runglight.taps.clock import SteadyClock  # noqa: PLC0415
+        from runglight.taps.grid import Grid  # noqa: PLC0415
 
         clock = SteadyClock()
-        loop = ScanLoop(link, clock, self.interval_ns, stepper)  # type: ignore[arg-type]
+        loop = ScanLoop(link, clock, Grid(self.interval_ns), stepper)  # type: ignore[arg-type]
         until_ns = None if self.lasting_ns is None else clock.now_ns() + self.lasting_ns
 
         def glance() -> None:

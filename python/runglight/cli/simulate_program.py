@@ -44,6 +44,7 @@ def simulate_program(
     from runglight.plants.tank.ladder import LadderProgram  # noqa: PLC0415
     from runglight.softplc.remote_program import remote_program  # noqa: PLC0415
     from runglight.taps.clock import SteadyClock  # noqa: PLC0415
+    from runglight.taps.grid import Grid  # noqa: PLC0415
     from runglight.taps.url import parse_source  # noqa: PLC0415
 
     if program not in PROGRAMS:
@@ -62,7 +63,7 @@ def simulate_program(
         SYMBOLS,
         plant,
         clock=clock,
-        interval_ns=max(interval_ns, 1),
+        grid=Grid(max(interval_ns, 1)),
     )
     until_ns = None if lasting_ns is None else clock.now_ns() + lasting_ns
     code = run_until_ended(loop, until_ns)

@@ -28,12 +28,15 @@ class Stepper(Protocol):
 
 
 class ScanLoop:
-    """Scans until it is stopped. A lost connection is retried; what was missed is the stepper's."""
+    """Scans until it is stopped. A lost connection is retried; what was missed is the stepper's.
 
-    def __init__(self, link: PlantLink, clock: Clock, interval_ns: int, stepper: Stepper) -> None:
+    `grid` says when to scan.
+    """
+
+    def __init__(self, link: PlantLink, clock: Clock, grid: Grid, stepper: Stepper) -> None:
         self._link = link
         self._clock = clock
-        self._grid = Grid(interval_ns)
+        self._grid = grid
         self._stepper = stepper
         self._stopping = asyncio.Event()
         self._backoff = Backoff()

@@ -8,6 +8,7 @@ from runglight.control.loop import ScanLoop, Writes
 from runglight.control.terminals import Terminals
 from runglight.plants.symbols import Symbol
 from runglight.taps.clock import Clock
+from runglight.taps.grid import Grid
 
 
 class Program(Protocol):
@@ -40,7 +41,7 @@ class _AtWork:
 
 
 def remote_program(
-    program: Program, symbols: Sequence[Symbol], url: str, *, clock: Clock, interval_ns: int
+    program: Program, symbols: Sequence[Symbol], url: str, *, clock: Clock, grid: Grid
 ) -> ScanLoop:
     """The loop that runs `program` on the plant at `url` (`modbus://HOST:PORT`).
 
@@ -49,4 +50,4 @@ def remote_program(
     rows = [(symbol.address, symbol.signal_class) for symbol in symbols]
     inputs = sum(symbol.signal_class == "input" for symbol in symbols)
     at_work = _AtWork(program, inputs, len(symbols) - inputs)
-    return ScanLoop(PlantLink(url, Terminals.of(rows)), clock, interval_ns, at_work)
+    return ScanLoop(PlantLink(url, Terminals.of(rows)), clock, grid, at_work)

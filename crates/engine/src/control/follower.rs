@@ -8,7 +8,7 @@ use super::error::ControlError;
 use super::guards::Guards;
 use super::moves::{Move, Moves};
 use super::program::{Program, TerminalIndex};
-use super::situations::{MOST, Situation, explore};
+use super::situations::{Situation, explore};
 use crate::log::{Nanoseconds, SECOND};
 use crate::process::petri::Marking;
 
@@ -85,8 +85,8 @@ impl Follower {
         Ok(found)
     }
 
-    /// The situations that look like `image`: those of equal outputs first, then those nearest to
-    /// the beginning of a run.
+    /// The situation that looks like `image`: one of equal outputs, else one whose outputs can be
+    /// brought about; the opening of a run before any other, then the nearest to it.
     pub fn standing<'s>(&self, situations: &'s [Situation], image: &Image) -> Option<&'s Situation> {
         let terminals = &self.program.terminals;
         let alike = |situation: &Situation, output: bool| {
@@ -94,11 +94,11 @@ impl Follower {
                 terminal.output != output || (value.is_some() && value == seen)
             })
         };
-        debug_assert!(situations.len() <= MOST);
-        let fits = || situations.iter().filter(|situation| alike(situation, false));
-        fits()
-            .find(|situation| alike(situation, true))
-            .or_else(|| fits().find(|situation| situation.values.iter().all(Option::is_some)))
+        let known = |situation: &Situation| situation.values.iter().all(Option::is_some);
+        let fits: Vec<_> =
+            situations.iter().filter(|s| known(s) && alike(s, false)).collect();
+        let rank = |s: &&&Situation| (!alike(s, true), !s.opens);
+        fits.iter().min_by_key(rank).copied()
     }
 
     /// Takes up the net at a situation.

@@ -10,7 +10,7 @@ use super::program::Program;
 use crate::process::petri::{Marking, TransitionIndex};
 
 /// Situations looked at.
-pub const MOST: usize = 50_000;
+const MOST: usize = 50_000;
 
 /// A marking and the values of all terminals, as far as the events on the way told them.
 #[derive(Debug, Clone, PartialEq, Eq, Hash)]
@@ -21,6 +21,8 @@ pub struct Situation {
     pub values: Vec<Option<i64>>,
     /// The activity it came from; `None` at the beginning.
     pub after: Option<TransitionIndex>,
+    /// True where that activity opened a run.
+    pub opens: bool,
 }
 
 /// All situations within reach, nearest to the beginning of a run first.
@@ -32,6 +34,7 @@ pub fn explore(program: &Arc<Program>, moves: &mut Moves) -> Result<Vec<Situatio
         marking: program.net.initial.clone(),
         values: vec![None; program.terminals.len()],
         after: None,
+        opens: false,
     };
     let mut found = vec![first.clone()];
     let mut known = HashMap::from([((first.marking.clone(), first.values.clone()), 0)]);
@@ -61,7 +64,8 @@ pub fn explore(program: &Arc<Program>, moves: &mut Moves) -> Result<Vec<Situatio
                 known.insert(key.clone(), found.len());
                 queue.push_back(found.len());
                 let (marking, values) = key;
-                found.push(Situation { marking, values, after: Some(way.transition) });
+                let opens = way.restarts || from.after.is_none();
+                found.push(Situation { marking, values, after: Some(way.transition), opens });
             }
         }
     }

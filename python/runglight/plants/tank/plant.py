@@ -90,7 +90,7 @@ class TankPlant:
         for number in range(len(SENSOR_LEVELS)):
             seconds = self._until_switched_s(number, rate)
             if seconds is not None:
-                times.append(self._now_ns + nanoseconds(seconds) + 1)
+                times.append(self._now_ns + nanoseconds(seconds))
         return min(times, default=None)
 
     def stick(self, sensor: int, value: bool) -> None:

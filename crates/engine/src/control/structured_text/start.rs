@@ -13,10 +13,12 @@ impl Text {
         let all: Vec<_> = (0..self.program.terminals.len()).collect();
         let _ = writeln!(text, "  IF state = {START} THEN");
         let mut word = "IF";
-        // As the controller does: first where the outputs are alike too, then by inputs alone.
+        // As the controller does: first where the outputs are alike too, then by inputs alone, and
+        // the opening of a run before any other.
         for asked in [&all, &inputs] {
             let mut known: HashSet<Vec<Option<i64>>> = HashSet::new();
-            for situation in &self.situations {
+            let opening = self.situations.iter().filter(|situation| situation.opens);
+            for situation in opening.chain(self.situations.iter().filter(|s| !s.opens)) {
                 let values: Vec<_> = asked.iter().map(|&t| situation.values[t]).collect();
                 if situation.values.iter().any(Option::is_none) || !known.insert(values) {
                     continue;
