@@ -95,8 +95,7 @@ impl PyShadow {
     ) -> PyResult<Self> {
         let program = program_of(net)?;
         let decide = decider(&program, next);
-        let shadow =
-            Shadow::new(Arc::clone(&program), guards_of(guards_json)?, decide, patience_s);
+        let shadow = Shadow::new(Arc::clone(&program), guards_of(guards_json)?, decide, patience_s);
         Ok(Self { shadow: Mutex::new(shadow.map_err(errors::input)?), program })
     }
 
@@ -165,8 +164,9 @@ fn program_of(net: &PyPetriNet) -> PyResult<Arc<Program>> {
 
 fn guards_of(json: Option<&str>) -> PyResult<Guards> {
     let Some(json) = json else { return Ok(Guards::default()) };
-    let guards: Guards = serde_json::from_str(json)
-        .map_err(|error| errors::input(format!("these are no guards ({error}); learn them anew")))?;
+    let guards: Guards = serde_json::from_str(json).map_err(|error| {
+        errors::input(format!("these are no guards ({error}); learn them anew"))
+    })?;
     if guards.format != FORMAT {
         return Err(errors::input(format!(
             "the guards have format {}, this version reads format {FORMAT}; learn them anew",

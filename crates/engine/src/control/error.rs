@@ -51,7 +51,9 @@ pub enum ControlError {
         alternatives: String,
     },
     /// Guards of another net.
-    #[error("the guards name the transition or place {id:?}, which the net does not have; learn them again from this net")]
+    #[error(
+        "the guards name the transition or place {id:?}, which the net does not have; learn them again from this net"
+    )]
     Foreign {
         /// Its identifier.
         id: String,

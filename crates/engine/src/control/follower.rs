@@ -87,7 +87,11 @@ impl Follower {
 
     /// The situation that looks like `image`: one of equal outputs, else one whose outputs can be
     /// brought about; the opening of a run before any other, then the nearest to it.
-    pub fn standing<'s>(&self, situations: &'s [Situation], image: &Image) -> Option<&'s Situation> {
+    pub fn standing<'s>(
+        &self,
+        situations: &'s [Situation],
+        image: &Image,
+    ) -> Option<&'s Situation> {
         let terminals = &self.program.terminals;
         let alike = |situation: &Situation, output: bool| {
             terminals.iter().zip(&situation.values).zip(image).all(|((terminal, value), seen)| {
@@ -95,8 +99,7 @@ impl Follower {
             })
         };
         let known = |situation: &Situation| situation.values.iter().all(Option::is_some);
-        let fits: Vec<_> =
-            situations.iter().filter(|s| known(s) && alike(s, false)).collect();
+        let fits: Vec<_> = situations.iter().filter(|s| known(s) && alike(s, false)).collect();
         let rank = |s: &&&Situation| (!alike(s, true), !s.opens);
         fits.iter().min_by_key(rank).copied()
     }
@@ -105,7 +108,8 @@ impl Follower {
     pub fn stand(&mut self, situation: &Situation, now: Nanoseconds) {
         self.marking.clone_from(&situation.marking);
         self.told.clone_from(&situation.values);
-        self.run = situation.after.map(|t| Fired { transition: t, time: now }).into_iter().collect();
+        self.run =
+            situation.after.map(|t| Fired { transition: t, time: now }).into_iter().collect();
         self.since = now;
         self.decided = None;
     }
@@ -278,7 +282,8 @@ impl Follower {
                 if way.restarts { own.max(chance(None)) } else { own }
             })
             .collect();
-        let best = (0..ways.len()).max_by(|&a, &b| chances[a].total_cmp(&chances[b]).then(b.cmp(&a)));
+        let best =
+            (0..ways.len()).max_by(|&a, &b| chances[a].total_cmp(&chances[b]).then(b.cmp(&a)));
         let choice = match best {
             Some(best) if chances[best] > 0.0 && is_output(&ways[best]) => {
                 Choice::Output(ways[best].transition, 0.0)

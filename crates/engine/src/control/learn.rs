@@ -123,7 +123,8 @@ impl Watcher {
             // A signal that has not been seen yet was the other thing before its first change.
             if !self.following {
                 self.follower.told = before;
-                if self.follower.input_opening(&image) && self.follower.open(&image, now).is_some() {
+                if self.follower.input_opening(&image) && self.follower.open(&image, now).is_some()
+                {
                     self.following = true;
                     self.opened();
                 }

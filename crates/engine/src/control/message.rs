@@ -99,10 +99,8 @@ pub fn disobeyed(
     let seen = shown(&follower.program, image, foreign);
     let mut finding = new(Kind::Transition, follower.last(), &seen, now);
     place(&mut finding, &follower.program, foreign);
-    let written: Vec<String> = foreign
-        .iter()
-        .map(|&t| text(&follower.program, t, follower.told[t]))
-        .collect();
+    let written: Vec<String> =
+        foreign.iter().map(|&t| text(&follower.program, t, follower.told[t])).collect();
     finding.message = format!(
         "{seen} where {} was written: something else writes this output, or the PLC does not obey",
         written.join(" & ")
@@ -194,7 +192,9 @@ fn place(finding: &mut Finding, program: &Program, pending: &[TerminalIndex]) {
 /// Whether the net knows each of these changes, wherever it is.
 fn known(program: &Program, image: &Image, pending: &[TerminalIndex]) -> bool {
     let changes = || program.activities.iter().flatten().flat_map(|activity| &activity.changes);
-    pending.iter().all(|&t| changes().any(|&(terminal, value)| (terminal, Some(value)) == (t, image[t])))
+    pending
+        .iter()
+        .all(|&t| changes().any(|&(terminal, value)| (terminal, Some(value)) == (t, image[t])))
 }
 
 fn shown(program: &Program, image: &Image, terminals: &[TerminalIndex]) -> String {

@@ -53,8 +53,7 @@ impl Program {
             if changes.is_empty() {
                 return Err(ControlError::NoChanges { label: label.clone() });
             }
-            let is_output =
-                |address: &str| SignalClass::guess(address) == SignalClass::Output;
+            let is_output = |address: &str| SignalClass::guess(address) == SignalClass::Output;
             let output = match transition.class {
                 Some(class) => class == SignalClass::Output,
                 None => is_output(&changes[0].0),

@@ -143,7 +143,13 @@ impl Shadow {
             Choice::Output(transition, after_s) if transition == way.transition => {
                 let patience_s = self.patience as f64 / SECOND as f64;
                 if self.follower.rested_s(now) < after_s - patience_s {
-                    findings.push(message::early(&mut self.follower, image, &pending, after_s, now));
+                    findings.push(message::early(
+                        &mut self.follower,
+                        image,
+                        &pending,
+                        after_s,
+                        now,
+                    ));
                 }
             }
             Choice::Unknown => {}

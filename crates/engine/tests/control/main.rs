@@ -84,7 +84,11 @@ fn a_counter_decides_where_the_net_cannot() {
 fn a_network_decides_where_the_net_cannot() {
     let decide = |run: &[Fired]| {
         let emptied = run.iter().filter(|fired| fired.transition == 7).count();
-        if emptied < 3 { vec![(Some(1), 0.9), (None, 0.1)] } else { vec![(None, 0.8), (Some(1), 0.2)] }
+        if emptied < 3 {
+            vec![(Some(1), 0.9), (None, 0.1)]
+        } else {
+            vec![(None, 0.8), (Some(1), 0.2)]
+        }
     };
     let with = |decide| Controller::new(figure_7(), Guards::default(), decide, &[]);
     assert!(matches!(with(None), Err(ControlError::Undecided { .. })));
@@ -173,7 +177,8 @@ fn a_sensor_that_never_comes_is_late() {
 #[test]
 fn it_takes_over_in_the_middle_of_the_work() {
     let program = figure_5();
-    let mut controller = Controller::new(Arc::clone(&program), Guards::default(), None, &[]).unwrap();
+    let mut controller =
+        Controller::new(Arc::clone(&program), Guards::default(), None, &[]).unwrap();
     // Emptying, between the middle and the lower sensor.
     assert_eq!(controller.scan(0, &[Some(0), Some(1), Some(0), Some(0), Some(1)]).writes, []);
     assert_eq!(controller.last(), "%IX0.2=0");
@@ -184,7 +189,12 @@ fn it_takes_over_in_the_middle_of_the_work() {
 }
 
 /// Findings of a shadow beside a program.
-fn shadowed(program: &Arc<Program>, guards: Guards, ladder: &mut Ladder, seconds: i64) -> Vec<Finding> {
+fn shadowed(
+    program: &Arc<Program>,
+    guards: Guards,
+    ladder: &mut Ladder,
+    seconds: i64,
+) -> Vec<Finding> {
     let mut shadow = Shadow::new(Arc::clone(program), guards, None, 0.5).unwrap();
     let mut tank = Tank::new();
     let mut findings = Vec::new();
@@ -283,10 +293,7 @@ fn nets_and_guards_that_cannot_control_are_refused() {
     assert!(error.to_string().contains("gets stuck after \"%QX0.0=1\""), "{error}");
     let safe = [("%QX7.0".to_owned(), 0)];
     let error = Controller::new(figure_5(), Guards::default(), None, &safe).err().unwrap();
-    assert_eq!(
-        error.to_string(),
-        "\"%QX7.0\" is no output of the net; it has %QX0.0, %QX0.1"
-    );
+    assert_eq!(error.to_string(), "\"%QX7.0\" is no output of the net; it has %QX0.0, %QX0.1");
     let foreign = guards(&figure_7(), 3);
     let mut foreign = foreign;
     foreign.points[0].marked = vec!["elsewhere".to_owned()];

@@ -39,11 +39,8 @@ pub fn figure_5() -> Arc<Program> {
     let labels =
         ["%IX0.1=0", FILL, "%IX0.1=1", "%IX0.2=1", "%IX0.0=1", EMPTY, "%IX0.0=0", "%IX0.2=0"];
     let arcs: Vec<[u32; 2]> = (0..8).map(|number| [number, number + 1]).collect();
-    let transitions: Vec<(&str, &[u32], &[u32])> = labels
-        .iter()
-        .zip(&arcs)
-        .map(|(label, arc)| (*label, &arc[..1], &arc[1..]))
-        .collect();
+    let transitions: Vec<(&str, &[u32], &[u32])> =
+        labels.iter().zip(&arcs).map(|(label, arc)| (*label, &arc[..1], &arc[1..])).collect();
     Arc::new(Program::new(net(9, &transitions, 8)).unwrap())
 }
 
@@ -133,9 +130,7 @@ pub fn recorded(program: &mut Ladder, seconds: i64) -> ChangeLog {
         tank.advance();
         let outputs = program.scan(&tank.image());
         let image = tank.image();
-        for (number, address) in
-            [UL, "%IX0.1", "%IX0.2", "%QX0.0", "%QX0.1"].iter().enumerate()
-        {
+        for (number, address) in [UL, "%IX0.1", "%IX0.2", "%QX0.0", "%QX0.1"].iter().enumerate() {
             if image[number] != before[number] {
                 let signal = log.intern(address);
                 log.push(scan * SCAN, signal, image[number].unwrap());

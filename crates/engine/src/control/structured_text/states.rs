@@ -40,12 +40,9 @@ impl Text {
         for state in 0..self.states.len() {
             self.state(state, text);
         }
-        text.push_str(
-            "    END_CASE;\n    IF moved THEN\n      watch(IN := FALSE, PT := limit);\n",
-        );
+        text.push_str("    END_CASE;\n    IF moved THEN\n      watch(IN := FALSE, PT := limit);\n");
         for (number, (_, after_s)) in self.timers.iter().enumerate() {
-            let _ =
-                writeln!(text, "      timer_{number}(IN := FALSE, PT := {});", time(*after_s));
+            let _ = writeln!(text, "      timer_{number}(IN := FALSE, PT := {});", time(*after_s));
         }
         text.push_str("    ELSE\n      EXIT;\n    END_IF;\n  END_FOR;\n\n");
         for (number, (state, after_s)) in self.timers.iter().enumerate() {
@@ -67,8 +64,11 @@ impl Text {
                 format!("{name} <> {name}_told")
             })
             .collect();
-        let differs =
-            if differs.is_empty() { String::new() } else { format!(" OR {}", differs.join(" OR ")) };
+        let differs = if differs.is_empty() {
+            String::new()
+        } else {
+            format!(" OR {}", differs.join(" OR "))
+        };
         let _ = writeln!(
             text,
             "  watch(IN := limit > T#0ms, PT := limit);\n  \
