@@ -158,6 +158,11 @@ class EventLog:
     @staticmethod
     def from_traces(traces: Sequence[Sequence[str]]) -> EventLog:
         """From names; the events of a trace are one second apart."""
+    @staticmethod
+    def read_xes(path: str) -> EventLog:
+        """Reads XES, trace by trace. Raises InputError."""
+    def write_xes(self, path: str) -> None:
+        """Writes XES; the file appears whole or not at all."""
     def __len__(self) -> int:
         """Number of events."""
     @property
@@ -204,6 +209,25 @@ class PetriNet:
         """Tokens of each place after the last event."""
     def transitions(self) -> list[tuple[str, str | None, str | None, list[int], list[int]]]:
         """`(id, label, class, input places, output places)`; silent ones have no label."""
+    def dot(self) -> str:
+        """Graphviz text: the first place green, the last one red, classes by colour."""
+    def soundness_json(self) -> str:
+        """`{sound: bool or null, problems: [sentence], markings}`."""
+    def fitness_json(self, log: EventLog) -> str:
+        """`{fitness, fitting, traces, produced, consumed, missing, remaining}`: token replay."""
+    def precision(self, log: EventLog) -> float:
+        """Escaping edges: 1 where the net allows nothing that was not seen."""
+
+class Mined:
+    """What was mined of an event log."""
+
+    @property
+    def net(self) -> PetriNet: ...
+    def write_bpmn(self, path: str) -> None:
+        """Writes BPMN 2.0; the file appears whole or not at all."""
+
+def mine(log: EventLog, parameters_json: str = "{}") -> Mined:
+    """Split Miner; parameters `eta` and `epsilon`. Raises InputError."""
 
 class Controller:
     """A learned controller in the place of the PLC's program (Theis 2019, Algorithm 2)."""

@@ -4,9 +4,11 @@
 //! out; [`write()`] goes the other way, by a temporary name that is renamed when complete.
 
 pub mod arrow;
+pub mod bpmn;
 mod columns;
 mod csv;
 mod error;
+pub mod event_log;
 mod format;
 mod intake;
 mod layout;

@@ -28,6 +28,7 @@ fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<model::PyRules>()?;
     module.add_class::<monitor::PyMonitor>()?;
     module.add_class::<process::event_log::PyEventLog>()?;
+    module.add_class::<process::mining::PyMined>()?;
     module.add_class::<process::petri_net::PyPetriNet>()?;
     module.add_class::<process::next_activity::PyNextActivity>()?;
     module.add_class::<process::next_monitor::PyNextMonitor>()?;
@@ -43,6 +44,7 @@ fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(process::next_activity::train_next, module)?)?;
     module.add_function(wrap_pyfunction!(process::next_activity::load_next, module)?)?;
     module.add_function(wrap_pyfunction!(process::next_activity::markov_score, module)?)?;
+    module.add_function(wrap_pyfunction!(process::mining::mine, module)?)?;
     Ok(())
 }
 

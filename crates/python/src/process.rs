@@ -3,4 +3,5 @@
 pub mod event_log;
 pub mod next_activity;
 pub mod next_monitor;
+pub mod mining;
 pub mod petri_net;

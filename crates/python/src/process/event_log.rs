@@ -1,5 +1,6 @@
 //! `EventLog`: the runs of a machine.
 
+use std::path::Path;
 use std::sync::Arc;
 
 use numpy::{IntoPyArray, PyArray1};
@@ -45,6 +46,17 @@ impl PyEventLog {
     fn from_traces(traces: Vec<Vec<String>>) -> Self {
         let names = traces.iter().map(|trace| trace.iter().map(String::as_str));
         Self::new(EventLog::from_traces(names))
+    }
+
+    #[staticmethod]
+    fn read_xes(py: Python<'_>, path: &str) -> PyResult<Self> {
+        let read = py.detach(|| runglight_formats::event_log::read(Path::new(path)));
+        Ok(Self::new(read.map_err(errors::input)?))
+    }
+
+    fn write_xes(&self, py: Python<'_>, path: &str) -> PyResult<()> {
+        py.detach(|| runglight_formats::event_log::write(&self.log, Path::new(path)))
+            .map_err(errors::input)
     }
 
     fn __len__(&self) -> usize {
