@@ -25,6 +25,13 @@ if TYPE_CHECKING:
     from runglight.log.options import ReadOptions
     from runglight.model import Monitor, NominalModel, learn, learn_cycle, load_model
     from runglight.process.event_log import EventLog, event_log
+    from runglight.process.next_activity import (
+        NextActivity,
+        NextMonitor,
+        TrainingSettings,
+        load_next,
+        train_next,
+    )
     from runglight.process.petri_net import PetriNet, read_net
 
 __all__ = [
@@ -35,19 +42,24 @@ __all__ = [
     "Log",
     "ModelError",
     "Monitor",
+    "NextActivity",
+    "NextMonitor",
     "NominalModel",
     "Parameters",
     "PetriNet",
     "ReadOptions",
     "RunglightError",
+    "TrainingSettings",
     "__version__",
     "event_log",
     "finding_schema",
     "learn",
     "learn_cycle",
     "load_model",
+    "load_next",
     "read_log",
     "read_net",
+    "train_next",
 ]
 
 # Where each public name lives. A plain `import runglight` loads none of these rooms, so that the
@@ -60,19 +72,24 @@ _HOMES = {
     "Log": "runglight.log.changelog",
     "ModelError": "runglight.errors",
     "Monitor": "runglight.model",
+    "NextActivity": "runglight.process.next_activity",
+    "NextMonitor": "runglight.process.next_activity",
     "NominalModel": "runglight.model",
     "Parameters": "runglight.configuration",
     "PetriNet": "runglight.process.petri_net",
     "ReadOptions": "runglight.log.options",
     "RunglightError": "runglight.errors",
+    "TrainingSettings": "runglight.process.next_activity",
     "__version__": "runglight._engine",
     "event_log": "runglight.process.event_log",
     "finding_schema": "runglight.findings.schema",
     "learn": "runglight.model",
     "learn_cycle": "runglight.model",
     "load_model": "runglight.model",
+    "load_next": "runglight.process.next_activity",
     "read_log": "runglight.log.changelog",
     "read_net": "runglight.process.petri_net",
+    "train_next": "runglight.process.next_activity",
 }
 
 

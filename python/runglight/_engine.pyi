@@ -4,7 +4,7 @@ Every object with `__arrow_c_stream__` can be handed to pyarrow, polars, pandas 
 Times are int64 nanoseconds since the Unix epoch, UTC.
 """
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any
 
 __version__: str
@@ -292,3 +292,49 @@ def structured_text_of(
     name: str = "learned",
 ) -> str:
     """The learned controller as IEC 61131-3 Structured Text. Raises InputError."""
+
+class NextActivity:
+    """A network that foretells the next activity, and the net it was trained with."""
+
+    @property
+    def activities(self) -> list[str]: ...
+    def training_json(self) -> str:
+        """`{created, source, settings, events}`."""
+    def save(self, path: str) -> None:
+        """Replaces the directory as one."""
+    def foretell(self, log: EventLog, traces: Sequence[int]) -> tuple[Any, Any, Any, Any, Any, Any]:
+        """`(trace uint64, event uint64, expected uint32, came uint32, probability float32, right bool)` as numpy arrays."""
+
+class NextMonitor:
+    """Watches one machine with a network; all it tells are notices."""
+
+    def __init__(
+        self, next: NextActivity, reset: str, unlikely: float = 0.001, state: bytes | None = None
+    ) -> None: ...
+    def observe(self, batch: Any) -> Findings: ...
+    def gap(self, start_ns: int, end_ns: int) -> Findings: ...
+    def advance(self, now_ns: int) -> Findings: ...
+    def finish(self) -> Findings: ...
+    def state(self) -> bytes: ...
+
+def train_next(
+    log: EventLog,
+    net: PetriNet,
+    traces: Sequence[int],
+    settings_json: str,
+    source: Sequence[str],
+    events_json: str,
+    progress: Callable[[int, float, float | None], object] | None = None,
+) -> NextActivity:
+    """Trains on some traces; `progress(epoch, loss, held_out_loss)` is called after each epoch."""
+
+def decay_samples(log: EventLog, net: PetriNet, traces: Sequence[int]) -> tuple[Any, Any]:
+    """Features (float32, one row per sample: decay, counter and tokens of each place) and the activity that came (uint32)."""
+
+def load_next(path: str, net: PetriNet, net_path: str = "") -> NextActivity:
+    """Reads a trained network. Raises ModelError where it is damaged, or of another net."""
+
+def markov_score(
+    log: EventLog, train: Sequence[int], test: Sequence[int], order: int
+) -> tuple[int, int]:
+    """Events foretold rightly by what mostly followed the last `order` activities, and all events."""

@@ -41,6 +41,7 @@ fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(model::learn, module)?)?;
     module.add_function(wrap_pyfunction!(model::load_model, module)?)?;
     module.add_function(wrap_pyfunction!(process::event_log::event_log, module)?)?;
+    module.add_function(wrap_pyfunction!(process::next_activity::decay_samples, module)?)?;
     module.add_function(wrap_pyfunction!(process::next_activity::train_next, module)?)?;
     module.add_function(wrap_pyfunction!(process::next_activity::load_next, module)?)?;
     module.add_function(wrap_pyfunction!(process::next_activity::markov_score, module)?)?;

@@ -36,6 +36,7 @@ COMMANDS = {
     "show": ("show:show", "Show what a model knows: devices, rules, drawings."),
     "watch": ("watch:watch", "Say what departs from the nominal model."),
     "confirm": ("confirm:confirm", "Accept a finding's path: from now on it is nominal."),
+    "predict": ("predict:application", "Foretell what comes next in a run: train, evaluate."),
     "import": ("import_log:import_log", "Turn any log into a change log."),
     "export": ("export:export", "Write a log for another tool: CSV, Parquet, XES, VCD."),
     "control": ("control:application", "Run the learned controller, or beside the real one."),

@@ -15,6 +15,7 @@ from runglight.cli import terminal
 from runglight.cli.exit_codes import DONE, FINDINGS
 from runglight.cli.finding_table import print_findings, summary_line
 from runglight.cli.live_options import LiveOptions
+from runglight.cli.next_options import NextOptions
 from runglight.cli.output import output as output_to
 from runglight.cli.reader_options import ReaderOptions, read
 from runglight.errors import InputError
@@ -32,6 +33,10 @@ if TYPE_CHECKING:
     from runglight.configuration import Configuration, Watch
     from runglight.log.changelog import Log
     from runglight.model import Monitor, NominalModel
+    from runglight.process.next_activity import NextMonitor
+
+NEXT_STATE = ".next"
+"""Ending of the file beside `--state` that keeps where the network stands."""
 
 
 def watch(
@@ -46,6 +51,7 @@ def watch(
     state: Path | None = None,
     options: ReaderOptions | None = None,
     live: LiveOptions | None = None,
+    foretelling: NextOptions | None = None,
 ) -> int:
     """Say what departs from the nominal model: where, when, and what should have happened.
 
@@ -91,13 +97,17 @@ def watch(
     )
     nominal = load_model(model)
     if source is not None and is_live(source):
+        if foretelling not in {None, NextOptions()}:
+            raise InputError(f"--next: is for logs, and {source} is a live source; record it first")
         from runglight.cli.watch_live import watch_live  # noqa: PLC0415
 
         return watch_live(model, nominal, source, configuration)
     if (option := live.first_said()) is not None:
         raise InputError(f"{option}: is for live sources, and {source or 'a table'} is a log")
-    log = read(only, configuration.log, to_its_end=True)
-    log = _named(log, nominal, configuration)
+    kept = None if settings.state is None else Path(f"{settings.state}{NEXT_STATE}")
+    foreteller = (foretelling or NextOptions()).monitor(kept)
+    as_read = read(only, configuration.log, to_its_end=True)
+    log = _named(as_read, nominal, configuration)
 
     started = time.perf_counter()
     told = _Telling(settings)
@@ -109,6 +119,8 @@ def watch(
         told.begin(stream)
         for lines in _watched(nominal, log, settings, store):
             told.tell(lines, stream)
+        if foreteller is not None:
+            told.tell(_foretold(foreteller, as_read, kept, store), stream)
         seconds = time.perf_counter() - started
         told.end(stream, len(log), seconds)
     return FINDINGS if told.met else DONE
@@ -163,6 +175,20 @@ def _watched(
     else:
         with replacing(Path(settings.state)) as temporary:
             temporary.write_bytes(monitor.state())
+
+
+def _foretold(
+    monitor: NextMonitor, log: Log, state: Path | None, store: FindingStore | None
+) -> list[str]:
+    lines = monitor.observe(log).json_lines()
+    if state is None:
+        lines += monitor.finish().json_lines()
+    else:
+        with replacing(state) as temporary:
+            temporary.write_bytes(monitor.state())
+    if store is not None and lines:
+        store.append(lines, [])
+    return lines
 
 
 def _kept(lines: list[str], monitor: Monitor, store: FindingStore | None) -> list[str]:

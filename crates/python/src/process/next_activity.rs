@@ -3,13 +3,16 @@
 use std::path::Path;
 use std::sync::Arc;
 
-use numpy::{IntoPyArray, PyArray1};
+use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
+
 use runglight_engine::finding::time_text;
 use runglight_engine::process::baseline::Markov;
+use runglight_engine::process::decay::{Decay, DecayState, Samples};
 use runglight_engine::process::lesson;
 use runglight_engine::process::next_activity::{NextActivity, Predictor};
 use runglight_engine::process::petri::PetriNet;
+use runglight_engine::process::replay::TokenReplay;
 use runglight_engine::process::succession::Succession;
 use runglight_formats::next_directory::{self, NextError, Training};
 use runglight_neural::learn::learn;
@@ -169,4 +172,27 @@ fn check(traces: &[usize], log: &PyEventLog) -> PyResult<()> {
         }
         None => Ok(()),
     }
+}
+
+/// Decay samples of some traces: features (one row each), and the activity that came.
+type Sampled<'py> = (Bound<'py, PyArray2<f32>>, Bound<'py, PyArray1<u32>>);
+
+/// The samples a network is trained with, not scaled; decays are learned from the same traces.
+#[pyfunction]
+pub fn decay_samples<'py>(
+    py: Python<'py>,
+    log: &PyEventLog,
+    net: &PyPetriNet,
+    traces: Vec<usize>,
+) -> PyResult<Sampled<'py>> {
+    check(&traces, log)?;
+    let (log, net) = (&log.log, &net.net);
+    let samples = py.detach(|| {
+        let mut replay = TokenReplay::of(net, &log.activities);
+        let decay = Decay::fit(&mut replay, log, &traces);
+        Samples::take(&mut replay, &decay, log, &traces, Succession::of(log))
+    });
+    let width = DecayState::features(net.places.len());
+    let features = samples.features.into_pyarray(py).reshape([samples.next.len(), width])?;
+    Ok((features, samples.next.into_pyarray(py)))
 }

@@ -86,7 +86,8 @@ impl PyNextMonitor {
         Ok(PyFindings { findings: findings.map_err(errors::input)? })
     }
 
-    fn gap(&mut self, _start_ns: i64, end_ns: i64) -> PyFindings {
+    fn gap(&mut self, start_ns: i64, end_ns: i64) -> PyFindings {
+        let _ = start_ns;
         PyFindings { findings: self.monitor.gap(end_ns) }
     }
 
