@@ -18,6 +18,11 @@ ROWS = [(symbol.address, symbol.signal_class) for symbol in SYMBOLS]
 TANK = Terminals.of(ROWS)
 
 
+def tank() -> RunningTank:
+    """A tank that begins now."""
+    return RunningTank(SteadyClock().now_ns())
+
+
 def test_names_are_found_in_every_scheme() -> None:
     names = {"openplc": ["%IX0.1", "%QX1.0"], "modbus": ["10002", "00009"], "iec": ["%I1", "%M8"]}
     for scheme, wanted in names.items():
@@ -29,12 +34,12 @@ def test_names_are_found_in_every_scheme() -> None:
 
 
 def test_outputs_written_together_change_in_one_moment() -> None:
-    tank = RunningTank(SteadyClock().now_ns())
+    plant = tank()
     heard: list[tuple[int, int, int]] = []
-    tank.on_change(lambda *change: heard.append(change))
+    plant.on_change(lambda *change: heard.append(change))
 
     async def run() -> list[int | None]:
-        async with serve(tank, "modbus://127.0.0.1:0", SteadyClock()) as plc:
+        async with serve(plant, "modbus://127.0.0.1:0", SteadyClock()) as plc:
             link = PlantLink(str(plc.url), TANK)
             await link.connect()
             await link.write([(4, 1), (3, 1)])
@@ -65,7 +70,9 @@ def test_what_cannot_be_controlled_is_refused() -> None:
 
 def test_a_plc_with_its_own_program_refuses_writes() -> None:
     async def run() -> None:
-        async with serve(RunningCell(SteadyClock().now_ns()), "modbus://127.0.0.1:0", SteadyClock()) as plc:
+        async with serve(
+            RunningCell(SteadyClock().now_ns()), "modbus://127.0.0.1:0", SteadyClock()
+        ) as plc:
             link = PlantLink(str(plc.url), TANK)
             try:
                 await link.connect()
@@ -79,7 +86,9 @@ def test_a_plc_with_its_own_program_refuses_writes() -> None:
 
 def test_coils_that_are_no_outputs_are_no_address() -> None:
     async def run() -> None:
-        async with serve(RunningTank(SteadyClock().now_ns()), "modbus://127.0.0.1:0", SteadyClock()) as plc:
+        async with serve(
+            RunningTank(SteadyClock().now_ns()), "modbus://127.0.0.1:0", SteadyClock()
+        ) as plc:
             link = PlantLink(str(plc.url), Terminals.of([("%QX0.2", "output")]))
             try:
                 await link.write([(0, 1)])

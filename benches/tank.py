@@ -1,0 +1,175 @@
+"""The case study of Theis 2019 and what it should have shown: `python -m benches.tank`.
+
+Traces of the three scenarios; the nets mined from them; the learned controller in the place of
+each program for hours; its shadow beside the intact programs and beside ten seeded mutations.
+Everything over real Modbus TCP, in virtual time.
+"""
+
+import argparse
+import json
+import time
+from dataclasses import dataclass
+from pathlib import Path
+
+from benches.tank_loop import RESET, Outcome, at_the_tank
+from runglight import _engine
+from runglight.control.guards import LearnedGuards, learn_guards, said
+from runglight.log.changelog import Log
+from runglight.plants.tank import SCENARIOS, Scenario
+from runglight.plants.tank.mutations import Mutation, chosen, mutations
+
+RECORDED_S = 880.0
+HOUR_S = 3600.0
+MUTATIONS = 10
+OUTPUTS = ("%QX0.0", "%QX0.1")
+
+
+@dataclass(frozen=True, slots=True)
+class Learned:
+    """What 880 s of one scenario taught."""
+
+    scenario: Scenario
+    log: Log
+    traces: int
+    net: _engine.PetriNet
+    guards: LearnedGuards
+
+    def controller(self, network: _engine.NextActivity | None = None) -> _engine.Controller:
+        """A learned controller; by the network where one is given."""
+        return _engine.Controller(self.net, None if network else self.guards.text, network)
+
+    def shadow(self) -> _engine.Shadow:
+        """Its shadow."""
+        return _engine.Shadow(self.net, self.guards.text)
+
+
+def learned(name: str, seed: int, given: _engine.PetriNet | None = None) -> Learned:
+    """Records a scenario through the tap, mines it, and learns its guards."""
+    scenario = SCENARIOS[name]
+    recorded = at_the_tank(scenario.program, scenario.flows, RECORDED_S, seed=seed, tap=True)
+    assert recorded.log is not None
+    runs = _engine.event_log(recorded.log.engine, RESET)
+    net = given or _engine.mine(runs).net
+    guards = learn_guards(net, [recorded.log])
+    return Learned(scenario, recorded.log, runs.traces, net, guards)
+
+
+def shape(net: _engine.PetriNet) -> list[object]:
+    """A net without the names of its places and transitions."""
+    rows = sorted(
+        (label or "", before, behind) for _, label, _, before, behind in net.transitions()
+    )
+    return [net.initial, net.last, rows]
+
+
+def in_its_place(one: Learned, seconds: float, seed: int) -> None:
+    """The learned controller for hours, against the program itself on the same plant."""
+    scenario = one.scenario
+    began_s = time.monotonic()
+    original = at_the_tank(scenario.program, scenario.flows, seconds, seed=seed)
+    controlled = at_the_tank(one.controller(), scenario.flows, seconds, seed=seed)
+    # Only how the valves stand when the power comes on may differ: the first write.
+    same = controlled.activities[1:] == original.activities[1:]
+    print(
+        f"  C' for {seconds / HOUR_S:g} h: {len(controlled.traces):,} runs, level "
+        f"{controlled.lowest:.1f} to {controlled.highest:.1f}, {controlled.spilt:g} spilt, "
+        f"{len(controlled.findings)} findings; sequence equal: {same}; language equal: "
+        f"{set(controlled.traces) == set(original.traces)} ({time.monotonic() - began_s:.0f} s)",
+        flush=True,
+    )
+
+
+def beside(one: Learned, seconds: float, seed: int) -> None:
+    """The shadow beside the intact program."""
+    shadowed = at_the_tank(
+        one.scenario.program, one.scenario.flows, seconds, seed=seed, shadow=one.shadow()
+    )
+    print(
+        f"  shadow for {seconds / HOUR_S:g} h: {len(shadowed.findings)} disagreements in "
+        f"{len(shadowed.traces):,} runs",
+        flush=True,
+    )
+    for finding in shadowed.findings[:3]:
+        print("   ", finding["message"])
+
+
+def mutants(one: Learned, seed: int) -> list[Mutation]:
+    """Seeded mutations that change what the program does at this plant at all."""
+    scenario = one.scenario
+    seconds = _cycle_s(one) * 2.5
+    intact = at_the_tank(scenario.program, scenario.flows, seconds).activities
+    found: list[Mutation] = []
+    every = mutations(scenario.program)
+    for mutation in chosen(every, len(every), seed):
+        if at_the_tank(mutation.ladder, scenario.flows, seconds).activities != intact:
+            found.append(mutation)
+        if len(found) == MUTATIONS:
+            break
+    return found
+
+
+def report_mutants(one: Learned, seed: int) -> None:
+    """When each is reported, counted in cycles of the intact program."""
+    cycle_s = _cycle_s(one)
+    reported = 0
+    for mutation in mutants(one, seed):
+        outcome = at_the_tank(mutation.ladder, one.scenario.flows, 3 * cycle_s, shadow=one.shadow())
+        reported += _tell(mutation, outcome, cycle_s)
+    print(f"  mutations reported within two cycles: {reported} of {MUTATIONS}", flush=True)
+
+
+def _tell(mutation: Mutation, outcome: Outcome, cycle_s: float) -> bool:
+    if not outcome.findings:
+        print(f"    NOT REPORTED: {mutation.sentence}")
+        return False
+    first = outcome.findings[0]
+    at_s = _seconds(first["time"])
+    print(f"    {at_s / cycle_s:4.1f} cycles: {mutation.sentence}: {first['message']}")
+    return at_s <= 2 * cycle_s
+
+
+def _seconds(time_text: str) -> float:
+    from datetime import datetime  # noqa: PLC0415
+
+    from runglight.plants.tank.simulate import START_NS  # noqa: PLC0415
+
+    return datetime.fromisoformat(time_text).timestamp() - START_NS / 1e9
+
+
+def _cycle_s(one: Learned) -> float:
+    return RECORDED_S / (one.traces + 1)
+
+
+def main() -> None:
+    """The command."""
+    parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
+    parser.add_argument("--hours", type=float, default=10.0)
+    parser.add_argument("--scenarios", nargs="*", default=list(SCENARIOS))
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--nets", type=Path, help="directory with 1.pnml, 2.pnml, 3.pnml instead")
+    asked = parser.parse_args()
+    shapes = {}
+    for name in asked.scenarios:
+        given = asked.nets and _engine.PetriNet.read_pnml(str(asked.nets / f"{name}.pnml"))
+        one = learned(name, asked.seed, given)
+        shapes[name] = json.dumps(shape(one.net))
+        labels = {row[0]: row[1] or row[0] for row in one.net.transitions()}
+        print(
+            f"scenario {name}: {one.traces} whole traces in {RECORDED_S:g} s; "
+            f"{len(one.net.places)} places, {len(labels)} transitions; "
+            f"{one.guards.departures} departures from the net"
+        )
+        for point in one.guards.decisions:
+            print(f"  after {point['after']}: {said(point['choice'], labels)}")
+
+        text = _engine.structured_text_of(one.net, one.guards.text, [], "tank")
+        print(f"  Structured Text: {len(text.splitlines())} lines", flush=True)
+        in_its_place(one, asked.hours * HOUR_S, asked.seed + 1)
+        beside(one, asked.hours * HOUR_S, asked.seed + 2)
+        report_mutants(one, asked.seed)
+    if {"2", "3"} <= shapes.keys():
+        print(f"nets of scenarios 2 and 3 identical: {shapes['2'] == shapes['3']}")
+
+
+if __name__ == "__main__":
+    main()
