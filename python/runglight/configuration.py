@@ -190,8 +190,7 @@ class Show(Struct, forbid_unknown_fields=True):
 
 
 class Control(Struct, forbid_unknown_fields=True):
-    """`[control]`: the learned controller at a plant. What it may write is said on the command line
-    alone."""  # noqa: D205, D209
+    """`[control]`: the learned controller at a plant; permission to write has no key."""
 
     net: str | None = None
     """The net, as `runglight mine` writes it (PNML)."""
