@@ -3,7 +3,7 @@ one virtual time, real sockets."""  # noqa: D205, D209
 
 import asyncio
 import json
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -15,6 +15,7 @@ from runglight.control.loop import ScanLoop, Stepper
 from runglight.control.steppers import Beside, InControl
 from runglight.control.terminals import Terminals
 from runglight.log.changelog import Log
+from runglight.plants.run import PlantRun
 from runglight.plants.tank import SYMBOLS, RunningTank
 from runglight.plants.tank.flows import Flows
 from runglight.plants.tank.ladder import Ladder, LadderProgram
@@ -66,23 +67,33 @@ class Outcome:
     @property
     def activities(self) -> list[str]:
         """The changes as activities: outputs of one moment are one."""
-        words: list[str] = []
-        last: tuple[int, bool] | None = None
-        for change in self.changes:
-            address = ADDRESS[change.signal]
-            key = (change.time_ns, address.startswith("%Q"))
-            word = f"{address}={change.value}"
-            if key[1] and key == last:
-                words[-1] += f" & {word}"
-            else:
-                words.append(word)
-            last = key
-        return words
+        return merged((c.time_ns, ADDRESS[c.signal], c.value) for c in self.changes)
 
     @property
     def traces(self) -> list[tuple[str, ...]]:
         """Whole runs, from one reset to the next."""
         return whole_traces(self.activities)
+
+
+def merged(changes: Iterable[tuple[int, str, int]]) -> list[str]:
+    """Time, address and value as activities: outputs of one moment are one."""
+    words: list[str] = []
+    last: tuple[int, bool] | None = None
+    for time_ns, address, value in changes:
+        key = (time_ns, address.startswith("%Q"))
+        word = f"{address}={value}"
+        if key[1] and key == last:
+            words[-1] += f" & {word}"
+        else:
+            words.append(word)
+        last = key
+    return words
+
+
+def activities_of(run: PlantRun) -> list[str]:
+    """The activities of a simulated run."""
+    rows = zip(run.time_ns, run.signal_index, run.value, strict=True)
+    return merged((int(t), run.signals[n], int(v)) for t, n, v in list(rows)[:-1])
 
 
 def whole_traces(activities: Sequence[str]) -> list[tuple[str, ...]]:

@@ -82,6 +82,7 @@ pub fn late(follower: &mut Follower, limit_s: f64, now: Nanoseconds, kind: Kind)
     finding.limit_s = Some(limit_s);
     finding.to = None;
     finding.address = first.as_deref().and_then(|label| label.split('=').next()).map(str::to_owned);
+    finding.signal.clone_from(&finding.address);
     finding.message = format!(
         "{expected} did not come: due within {limit_s:.1} s after {}, waited {rested_s:.1} s",
         follower.last()

@@ -96,8 +96,11 @@ impl Shadow {
                         self.follower.told[terminal] = *value;
                     }
                 }
-                // Only where a run opens is it known that nothing has been counted.
+                // Only where a run opens is it known that nothing has been counted in it.
                 self.follower.counters.forget();
+                if let Some(opened) = situation.after.filter(|_| situation.opens) {
+                    self.follower.counters.fired(opened, true);
+                }
                 self.following = true;
             }
             None => {
