@@ -3,12 +3,13 @@
 Long runs are `benches/tank.py`; here each is long enough for two to three runs of the tank.
 """
 
+import json
 from pathlib import Path
 
 import pytest
 
 from benches.tank_loop import Outcome, at_the_tank
-from runglight._engine import Controller, PetriNet, Shadow
+from runglight._engine import Controller, PetriNet, Shadow, event_log, train_next
 from runglight.control.guards import learn_guards, said
 from runglight.log.changelog import Log
 from runglight.plants.tank import simulate_tank
@@ -65,6 +66,16 @@ def test_it_takes_the_place_of_the_counting_program(figure_7: PetriNet) -> None:
     assert uncertain.findings == []
     assert set(uncertain.traces) == set(original.traces)
     assert _inside(uncertain)
+
+
+def test_a_network_decides_where_no_guards_do(figure_7: PetriNet) -> None:
+    runs = event_log(_log("2").engine, "%IX0.1=0")
+    settings = json.dumps({"epochs": 200, "seed": 1})
+    network = train_next(runs, figure_7, list(range(17)), settings, [], "{}")
+    original = at_the_tank(C2, P1, SECONDS)
+    learned = at_the_tank(Controller(figure_7, None, network), P1, SECONDS)
+    assert learned.findings == []
+    assert learned.activities[1:] == original.activities[1:]
 
 
 def test_what_was_learned_is_told_in_words(figure_7: PetriNet) -> None:
