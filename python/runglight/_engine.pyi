@@ -265,6 +265,70 @@ class Mined:
 def mine(log: EventLog, parameters_json: str = "{}") -> Mined:
     """Split Miner; parameters `eta` and `epsilon`. Raises InputError."""
 
+class Controller:
+    """A learned controller in the place of the PLC's program (Theis 2019, Algorithm 2)."""
+
+    def __init__(
+        self,
+        net: PetriNet,
+        guards_json: str | None = None,
+        next: NextActivity | None = None,
+        safe: Sequence[tuple[str, int]] = (),
+    ) -> None:
+        """`safe` names the outputs of the safe state; others are 0 in it. Raises InputError."""
+    @property
+    def terminals(self) -> list[tuple[str, str]]:
+        """Address and class (`input` or `output`) of every signal the net speaks of."""
+    @property
+    def safe(self) -> list[tuple[int, int]]:
+        """Terminal and value of every output in the safe state."""
+    @property
+    def mode(self) -> str:
+        """`starting`, `running` or `safe`."""
+    @property
+    def last(self) -> str:
+        """The last activity."""
+    def scan(
+        self, now_ns: int, values: Sequence[int | None]
+    ) -> tuple[list[tuple[int, int]], Findings]:
+        """One scan: a value for each terminal. Gives what to write, in that order, and what departed."""
+
+class Shadow:
+    """A learned controller beside the real one: writes nothing, reports every disagreement."""
+
+    def __init__(
+        self,
+        net: PetriNet,
+        guards_json: str | None = None,
+        next: NextActivity | None = None,
+        patience_s: float = 0.5,
+    ) -> None:
+        """`patience_s` is how long the real controller may take to act. Raises InputError."""
+    @property
+    def terminals(self) -> list[tuple[str, str]]:
+        """Address and class (`input` or `output`) of every signal the net speaks of."""
+    @property
+    def following(self) -> bool:
+        """Whether it knows where the plant stands; else it waits for a run to open."""
+    @property
+    def last(self) -> str:
+        """The last activity."""
+    def scan(self, now_ns: int, values: Sequence[int | None]) -> Findings:
+        """One scan: a value for each terminal."""
+    def gap(self) -> None:
+        """Nothing was seen for a while."""
+
+def learn_guards(net: PetriNet, logs: Sequence[ChangeLog], reaction_s: float) -> str:
+    """JSON `{guards, events, runs, departures}`. Raises InputError where the logs never follow the net."""
+
+def structured_text_of(
+    net: PetriNet,
+    guards_json: str | None = None,
+    safe: Sequence[tuple[str, int]] = (),
+    name: str = "learned",
+) -> str:
+    """The learned controller as IEC 61131-3 Structured Text. Raises InputError."""
+
 class NextActivity:
     """A network that foretells the next activity, and the net it was trained with."""
 

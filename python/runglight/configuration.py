@@ -234,6 +234,31 @@ class Show(Struct, forbid_unknown_fields=True):
     """Default: by the ending of the output file, else `table`."""
 
 
+class Control(Struct, forbid_unknown_fields=True):
+    """`[control]`: the learned controller at a plant; permission to write has no key."""
+
+    net: str | None = None
+    """The net, as `runglight mine` writes it (PNML)."""
+    guards: str | None = None
+    """Counters and timers that decide where the net cannot."""
+    next: str | None = None
+    """Network that decides where the net cannot."""
+    plant: str | None = None
+    """Modbus device that holds the sensors and actuators: `modbus://HOST:502`."""
+    safe: dict[str, int] = {}
+    """Outputs of the safe state: `{ "%QX0.1" = 1 }`; others are 0 in it."""
+    interval: str = "100ms"
+    """Time between two scans."""
+    patience_s: Annotated[float, Meta(ge=0)] = 0.5
+    """How long the real controller may take to act before its shadow calls it late."""
+    reaction_s: Annotated[float, Meta(ge=0)] = 0.3
+    """`control learn`: a PLC that acts within this time acts at once; longer is a timer."""
+    format: Literal["table", "jsonl"] = "table"
+    """Findings as sentences, or as JSON lines."""
+    duration: str | None = None
+    """End after this time: `10m` (`--for`)."""
+
+
 class Configuration(Struct, forbid_unknown_fields=True):
     """The whole of `runglight.toml`."""
 
@@ -250,6 +275,7 @@ class Configuration(Struct, forbid_unknown_fields=True):
     notify: Notify = field(default_factory=Notify)
     server: Server = field(default_factory=Server)
     identify: Identify = field(default_factory=Identify)
+    control: Control = field(default_factory=Control)
     show: Show = field(default_factory=Show)
 
     def cycle_json(self) -> str | None:
@@ -306,6 +332,9 @@ def load_configuration(path: Path | None = None) -> Configuration:
         (configuration.watch, "state"),
         (configuration.watch, "record"),
         (configuration.identify, "events"),
+        (configuration.control, "net"),
+        (configuration.control, "guards"),
+        (configuration.control, "next"),
     ):
         if (value := getattr(owner, key)) is not None:
             setattr(owner, key, str(path.parent / value))

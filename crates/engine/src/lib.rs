@@ -4,6 +4,7 @@
 //! Pure computation on columns: no Python, no sockets, no files of its own accord.
 
 pub mod bits;
+pub mod control;
 pub mod cycle;
 pub mod finding;
 pub mod identify;

@@ -2,6 +2,7 @@
 
 mod change_log;
 mod contract;
+mod control;
 mod cycle;
 mod errors;
 mod findings;
@@ -20,6 +21,8 @@ fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     quiet_panics();
     errors::register(module)?;
     module.add_class::<change_log::PyChangeLog>()?;
+    module.add_class::<control::PyController>()?;
+    module.add_class::<control::PyShadow>()?;
     module.add_class::<cycle::PyCycleModel>()?;
     module.add_class::<findings::PyFindings>()?;
     module.add_class::<identify::PyIdentification>()?;
@@ -34,6 +37,8 @@ fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(change_log::read_log, module)?)?;
     module.add_function(wrap_pyfunction!(change_log::write_log, module)?)?;
     module.add_function(wrap_pyfunction!(change_log::log_from_columns, module)?)?;
+    module.add_function(wrap_pyfunction!(control::learn_guards, module)?)?;
+    module.add_function(wrap_pyfunction!(control::structured_text_of, module)?)?;
     module.add_function(wrap_pyfunction!(cycle::learn_cycle, module)?)?;
     module.add_function(wrap_pyfunction!(identify::bit_names, module)?)?;
     module.add_function(wrap_pyfunction!(identify::identify, module)?)?;

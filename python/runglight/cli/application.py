@@ -41,6 +41,7 @@ COMMANDS = {
     "predict": ("predict:application", "Foretell what comes next in a run: train, evaluate."),
     "import": ("import_log:import_log", "Turn any log into a change log."),
     "export": ("export:export", "Write a log for another tool: CSV, Parquet, XES, VCD."),
+    "control": ("control:application", "Run the learned controller, or beside the real one."),
     "simulate": ("simulate:application", "Write the log of a simulated plant, sound or broken."),
 }
 

@@ -18,9 +18,11 @@ from runglight.cli.exit_codes import DONE
 from runglight.cli.output import output
 from runglight.cli.simulate_faults import simulate_faults
 from runglight.cli.simulate_photos import camera_before
+from runglight.cli.simulate_program import simulate_program
 from runglight.errors import InputError
 from runglight.log.changelog import Log
 from runglight.nearest import suggestion
+from runglight.quantities import duration_s
 
 if TYPE_CHECKING:
     from runglight.plants import FaultLabel, PlantDescription, PlantRun
@@ -41,6 +43,7 @@ def simulate(
     symbols: Path | None = None,
     size: str | None = None,
     part: Part | None = None,
+    scenario: str | None = None,
     events: int | None = None,
     photos: Path | None = None,
     photo_interval: str | None = None,
@@ -71,6 +74,8 @@ def simulate(
         bodyshop: `main`, `a` or `b`, as large as the plants of the PLAT paper, or `tiny`.
     part: Literal["all", "learn", "watch"]
         bodyshop: what to learn from, what to watch after it, or both in one log.
+    scenario: str
+        tank: `1`, `2` or `3`, program and plant as in the paper.
     events: int
         bodyshop: events of both parts together (default: as many as the paper has).
     photos: Path
@@ -79,12 +84,13 @@ def simulate(
         Time between two photos (default: `1s`).
     serve: str
         Be the plant's PLC, in real time, until interrupted: `modbus://127.0.0.1:5020` or
-        `s7://127.0.0.1:1102`; port 0 takes a free one. Nobody can write to it.
+        `s7://127.0.0.1:1102`; port 0 takes a free one. Nobody can write to it, but to the tank's
+        valves.
     after: tuple[str, ...]
         With `--serve`: when the fault may begin, counted from the start: `60s`, `5m`; one for
         all faults, or one for each.
     for_: str
-        With `--serve`: end by itself after this time.
+        With `--serve`: end by itself after this time. tank: how long to run (default: `880s`).
     list_plants: bool
         Name the plants and their faults.
 
@@ -101,9 +107,12 @@ def simulate(
 
         finite = {"log": log, "cycles": cycles, "size": size, "part": part, "events": events}
         _refuse_beside_serve(finite)
-        options = ServeOptions(serve, seed, fault, after, for_, symbols, labels, camera)
+        chosen = None if scenario is None else _scenario(description, scenario)
+        options = ServeOptions(
+            serve, seed, fault, after, for_, symbols, labels, camera=camera, scenario=chosen
+        )
         return simulate_serve(description, options)
-    if after or for_ is not None:
+    if after or (for_ is not None and not description.scenarios):
         raise InputError(f"{'--after' if after else '--for'} goes with --serve only; leave it out")
     if log is None and labels is None and symbols is None and camera is None:
         raise InputError(
@@ -112,10 +121,17 @@ def simulate(
         )
     own: dict[str, object] = {"cycles": cycles, "fault": fault or None}
     of_sized: dict[str, object] = {"size": size, "part": part, "events": events}
-    _refuse(description, own if description.sizes else of_sized)
+    of_scenarios: dict[str, object] = {"scenario": scenario}
     if description.sizes:
+        _refuse(description, own | of_scenarios)
         run = _run(description, of_sized | {"seed": seed})
+    elif description.scenarios:
+        _refuse(description, own | of_sized)
+        chosen = None if scenario is None else _scenario(description, scenario)
+        lasting_s = None if for_ is None else duration_s(for_, "--for")
+        run = _run(description, {"scenario": chosen, "seed": seed, "lasting_s": lasting_s})
     else:
+        _refuse(description, of_sized | of_scenarios)
         seen = {} if camera is None else camera.witnessing
         run = run_plant(description, cycles=cycles, seed=seed, faults=fault, **seen)
     console = terminal.results()
@@ -139,6 +155,7 @@ def simulate(
 application = App(name="simulate", default_parameter=Parameter(negative="", show_default=False))
 application.default(simulate)
 application.command(simulate_faults, name="faults")
+application.command(simulate_program, name="program")
 
 
 def run_plant(
@@ -167,6 +184,14 @@ def _refuse(plant: PlantDescription, options: Mapping[str, object]) -> None:
     for name, value in options.items():
         if value is not None:
             raise InputError(f"simulate {plant.name}: this plant has no --{name}; leave it out")
+
+
+def _scenario(plant: PlantDescription, scenario: str) -> str:
+    if scenario not in plant.scenarios:
+        known = ", ".join(plant.scenarios)
+        has = f"it has {known}" if known else "this plant has none; leave --scenario out"
+        raise InputError(f"simulate {plant.name}: there is no scenario {scenario!r}; {has}")
+    return scenario
 
 
 def _refuse_beside_serve(options: Mapping[str, object]) -> None:

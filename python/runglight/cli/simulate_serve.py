@@ -41,6 +41,7 @@ class ServeOptions:
     symbols: Path | None
     labels: Path | None
     camera: PlantCamera | None = None
+    scenario: str | None = None
 
 
 def simulate_serve(description: PlantDescription, options: ServeOptions) -> int:
@@ -55,7 +56,8 @@ def simulate_serve(description: PlantDescription, options: ServeOptions) -> int:
     lasting_s = None if options.lasting is None else _duration(options.lasting, "--for")
     clock = SteadyClock()
     start_ns = clock.now_ns()
-    plant = description.run(start_ns, options.seed)
+    scenario = () if options.scenario is None else (options.scenario,)
+    plant = description.run(start_ns, options.seed, *scenario)
     plan = _plan(plant, options, start_ns)
     return asyncio.run(_Session(description, plant, options, plan).run(clock, lasting_s))
 
@@ -165,8 +167,14 @@ class _Session:
         for fault, delay_s in self._plan:
             after = f" after {delay_s:g} s" if delay_s else ""
             _say(f"fault {fault.number} {fault.name}: to begin at the next possible moment{after}")
+        writable = plc.writable
+        if writable:
+            _say(f"control it with: runglight simulate program c1 --plant {plc.url}")
         if not plc.url.is_loopback:
-            terminal.note(f"whoever reaches this computer can read {plc.url}; nobody can write")
+            whoever = f"whoever reaches this computer can read {plc.url}"
+            terminal.note(
+                f"{whoever} and write its outputs" if writable else f"{whoever}; nobody can write"
+            )
 
     def _conclude(self, plc: SoftPlc) -> None:
         _say(f"{self._name}: {self._worked(plc)}")

@@ -3,7 +3,7 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
-from runglight.plants import bodyshop, bottling, cell, press
+from runglight.plants import bodyshop, bottling, cell, press, tank
 from runglight.plants.faults import FaultDescription, FaultKind, FaultLabel, find_fault
 from runglight.plants.run import PlantRun
 from runglight.plants.running import Image, RunningPlant
@@ -33,6 +33,9 @@ class PlantDescription:
     A plant that comes in `sizes` has no faults, and its symbols are its run's; its `simulate`
     takes `size`, `seed`, `events` and `part`.
 
+    A plant that comes in `scenarios` runs for a time instead of cycles; its `simulate` takes
+    `scenario`, `seed` and `lasting_s`, and its `run` a scenario after the seed.
+
     `run(start_ns, seed)` gives the plant at work, to be advanced from outside; None for a plant
     that exists as a log only.
     """
@@ -43,9 +46,10 @@ class PlantDescription:
     faults: Mapping[int, FaultDescription]
     simulate: Callable[..., PlantRun]
     sizes: tuple[str, ...] = ()
-    run: Callable[[int, int], RunningPlant] | None = None
+    run: Callable[..., RunningPlant] | None = None
     has_photos: bool = False
     """Its running plant is a `PhotographedPlant`, and `simulate` takes a `witness`."""
+    scenarios: tuple[str, ...] = ()
 
 
 PLANTS: dict[str, PlantDescription] = {
@@ -82,6 +86,18 @@ PLANTS: dict[str, PlantDescription] = {
         simulate=bottling.simulate_bottling,
         run=bottling.RunningBottling,
         has_photos=True,
+    ),
+    "tank": PlantDescription(
+        name="tank",
+        description=(
+            "A tank of 100 gallons with three level sensors and two valves (Theis 2019), and the "
+            "two programs that were mined from it; served, it waits for a controller."
+        ),
+        symbols=tank.SYMBOLS,
+        faults=tank.FAULTS,
+        simulate=tank.simulate_tank,
+        run=tank.run_tank,
+        scenarios=tuple(tank.SCENARIOS),
     ),
     "bodyshop": PlantDescription(
         name="bodyshop",

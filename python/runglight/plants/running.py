@@ -85,3 +85,11 @@ class PhotographedPlant(Protocol):
         What it gives develops the photo, in any thread and however late. InputError where Pillow
         is not installed.
         """
+
+
+@runtime_checkable
+class WritablePlant(RunningPlant, Protocol):
+    """A machine without a PLC of its own: a controller elsewhere writes its outputs."""
+
+    def write(self, number: int, value: int) -> None:
+        """Sets output `number` (counted among the outputs of `symbols`) at the time advanced to."""

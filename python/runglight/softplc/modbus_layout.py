@@ -70,6 +70,16 @@ class ModbusLayout:
         options = [f"{table}={spelled(numbers[table])}" for table in Table if table in numbers]
         return "&".join((*options, f"names={self._names}"))
 
+    def outputs_at(self, coils: Sequence[int]) -> list[int | None]:
+        """Which of the plant's outputs each coil is; None where it is none."""
+        outputs = {
+            _cell(symbol, place_of(symbol)): number
+            for number, symbol in enumerate(
+                symbol for symbol in self.symbols if symbol.signal_class == "output"
+            )
+        }
+        return [outputs.get((Table.COILS, coil)) for coil in coils]
+
     def tables(self, image: Image) -> dict[Table, list[int]]:
         """Every table as words of 16 bits, bits from the lowest on. Not to be changed."""
         if image is not self._image:

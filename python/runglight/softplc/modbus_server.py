@@ -11,21 +11,27 @@ from runglight.plants.symbols import Symbol
 from runglight.softplc.listening import check_free
 from runglight.softplc.modbus_layout import REGISTERS, ModbusLayout, Table
 from runglight.softplc.serve_url import ServeUrl
-from runglight.softplc.server import Look
+from runglight.softplc.server import Look, Write
 
 # Whatever a client does wrong, it is told; the terminal is not for it.
 logging.getLogger("pymodbus").addHandler(logging.NullHandler())
 
+_WRITES_COILS = {5, 15}
 _TABLE_READ_BY = {1: Table.COILS, 2: Table.INPUTS, 4: Table.INPUT_REGISTERS}
 """Modbus function codes; all other readers read holding registers."""
 
 
 class ModbusServer:
-    """Answers any unit number; reads only: a write is answered by "illegal function"."""
+    """Answers any unit number.
 
-    def __init__(self, symbols: Sequence[Symbol], look: Look) -> None:
+    Coils can be written where the plant has no PLC of its own, and those alone that are its
+    outputs; every other write is answered by "illegal function" or "illegal data address".
+    """
+
+    def __init__(self, symbols: Sequence[Symbol], look: Look, write: Write | None = None) -> None:
         self._layout = ModbusLayout(symbols)
         self._look = look
+        self._write = write
         self._server: ModbusTcpServer | None = None
         self._clients = 0
         self.symbols = self._layout.symbols
@@ -71,16 +77,36 @@ class ModbusServer:
         self,
         function_code: int,
         _start_address: int,
-        _address: int,
+        address: int,
         _count: int,
         registers: list[int],
         values: list[int] | list[bool] | None,
     ) -> ExcCodes | None:
         """Called by pymodbus within every request: fills its registers with the scan of now."""
         if values is not None:
-            return ExcCodes.ILLEGAL_FUNCTION
-        table = self._layout.tables(self._look())[_TABLE_READ_BY.get(function_code, Table.HOLDING)]
+            refusal = self._write_coils(function_code, address, values)
+            if refusal is not None:
+                return refusal
+        read_by = Table.COILS if values is not None else _TABLE_READ_BY.get(function_code)
+        table = self._layout.tables(self._look())[read_by or Table.HOLDING]
         registers[: len(table)] = table
+        return None
+
+    def _write_coils(
+        self, function_code: int, address: int, values: list[int] | list[bool]
+    ) -> ExcCodes | None:
+        if self._write is None or function_code not in _WRITES_COILS:
+            return ExcCodes.ILLEGAL_FUNCTION
+        outputs = self._layout.outputs_at(range(address, address + len(values)))
+        if None in outputs:
+            return ExcCodes.ILLEGAL_ADDRESS
+        self._write(
+            [
+                (output, int(value))
+                for output, value in zip(outputs, values, strict=True)
+                if output is not None
+            ]
+        )
         return None
 
 

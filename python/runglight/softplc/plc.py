@@ -8,10 +8,16 @@ from threading import RLock
 from typing import NamedTuple
 
 from runglight.plants.faults import FaultDescription, FaultLabel
-from runglight.plants.running import Image, PhotographedPlant, PlantPhoto, RunningPlant
+from runglight.plants.running import (
+    Image,
+    PhotographedPlant,
+    PlantPhoto,
+    RunningPlant,
+    WritablePlant,
+)
 from runglight.plants.symbols import Symbol
 from runglight.softplc.serve_url import ServeUrl, parse_serve_url
-from runglight.softplc.server import Look, Server
+from runglight.softplc.server import Look, Server, Write
 from runglight.taps.clock import Clock
 
 CATCH_UP_S = 0.05
@@ -44,7 +50,8 @@ class SoftPlc:
         self._clock = clock
         self._lock = RLock()
         self._url = parse_serve_url(url)
-        self._server = _server(self._url, plant, self.look)
+        write = self._write if isinstance(plant, WritablePlant) else None
+        self._server = _server(self._url, plant, self.look, write)
         self._catching_up: asyncio.Task[None] | None = None
         self._changes: list[PlcChange] = []
         self._changed = 0
@@ -72,6 +79,11 @@ class SoftPlc:
     def symbols(self) -> tuple[Symbol, ...]:
         """The plant's symbol table, with the addresses under which a tap sees them."""
         return self._server.symbols
+
+    @property
+    def writable(self) -> bool:
+        """Whether a controller elsewhere can write the plant's outputs."""
+        return isinstance(self._plant, WritablePlant) and self._url.scheme == "modbus"
 
     @property
     def serving(self) -> bool:
@@ -112,6 +124,13 @@ class SoftPlc:
         with self._lock:
             self.look()
             return plant.expose()
+
+    def _write(self, outputs: list[tuple[int, int]]) -> None:
+        with self._lock:
+            self.look()
+            assert isinstance(self._plant, WritablePlant)
+            for number, value in outputs:
+                self._plant.write(number, value)
 
     def inject(self, fault: int | str, at_ns: int | None = None) -> FaultDescription:
         """Breaks something at the next possible moment after `at_ns` (None: now).
@@ -170,7 +189,7 @@ async def serve(
         await plc.stop()
 
 
-def _server(url: ServeUrl, plant: RunningPlant, look: Look) -> Server:
+def _server(url: ServeUrl, plant: RunningPlant, look: Look, write: Write | None) -> Server:
     # A protocol's library is loaded when that protocol is served.
     if url.scheme == "s7":
         from runglight.softplc.s7_server import S7Server  # noqa: PLC0415
@@ -178,4 +197,4 @@ def _server(url: ServeUrl, plant: RunningPlant, look: Look) -> Server:
         return S7Server(plant.symbols, look)
     from runglight.softplc.modbus_server import ModbusServer  # noqa: PLC0415
 
-    return ModbusServer(plant.symbols, look)
+    return ModbusServer(plant.symbols, look, write)

@@ -10,6 +10,9 @@ from runglight.softplc.serve_url import ServeUrl
 Look = Callable[[], Image]
 """Lets the plant come up to now and gives its last scan; from any thread."""
 
+Write = Callable[[list[tuple[int, int]]], None]
+"""Lets the plant come up to now and sets its outputs: number among the outputs, and value."""
+
 
 class Server(Protocol):
     """Answers clients of one protocol. Every answer shows one scan, the last before its request."""
