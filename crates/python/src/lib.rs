@@ -8,6 +8,7 @@ mod findings;
 mod model;
 mod monitor;
 mod stream;
+mod timing_diagram;
 
 use pyo3::prelude::*;
 
@@ -23,6 +24,7 @@ fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<model::PyNominalModel>()?;
     module.add_class::<model::PyRules>()?;
     module.add_class::<monitor::PyMonitor>()?;
+    module.add_class::<timing_diagram::PyTimingDiagram>()?;
     module.add_function(wrap_pyfunction!(change_log::read_log, module)?)?;
     module.add_function(wrap_pyfunction!(change_log::write_log, module)?)?;
     module.add_function(wrap_pyfunction!(change_log::log_from_columns, module)?)?;

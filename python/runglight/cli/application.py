@@ -35,6 +35,7 @@ COMMANDS = {
     "learn": ("learn:learn", "Learn what nominal looks like from fault-free logs."),
     "show": ("show:show", "Show what a model knows: devices, rules, drawings."),
     "watch": ("watch:watch", "Say what departs from the nominal model."),
+    "serve": ("serve:serve", "Show the machine in a browser."),
     "confirm": ("confirm:confirm", "Accept a finding's path: from now on it is nominal."),
     "import": ("import_log:import_log", "Turn any log into a change log."),
     "export": ("export:export", "Write a log for another tool: CSV, Parquet, XES, VCD."),
