@@ -1,11 +1,14 @@
 //! Timing diagrams: what to draw of each signal between two times, at any scale.
 //!
-//! A window is cut into columns, a pixel or so each. A column with one change gives that change,
-//! at its exact time; one with several gives a *busy* span from the first to the last of them, so
-//! that a pulse of one scan is seen in a view of a year. Finding a column's last change is a
+//! A window is cut into columns, a pixel or so each. A column with one or two changes gives those,
+//! at their exact times, so that a pulse of one scan is seen in a view of a year; one with more
+//! gives a *busy* span from the first to the last of them. Finding a column's last change is a
 //! search, not a walk: what a window costs grows with its columns, not with its changes.
 
 use crate::log::{ChangeLog, Nanoseconds, SignalIndex};
+
+/// 73 years on either side of 1970: no PLC is that old.
+const FARTHEST: Nanoseconds = 1 << 61;
 
 /// A stretch of one signal that is drawn in one stroke; it ends where the next one begins.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -14,7 +17,8 @@ pub struct Span {
     pub start: Nanoseconds,
     /// The value it begins with.
     pub value: i64,
-    /// Changes after its beginning that are too close together to be drawn; 0 where it is level.
+    /// Changes after its beginning and before the next span that are too close together to be
+    /// drawn; 0 where it is level.
     pub changes: u32,
     /// False before the first row of the signal: nobody knows.
     pub known: bool,
@@ -106,7 +110,9 @@ impl TimingDiagram {
         columns: u32,
     ) -> Vec<Span> {
         match self.lanes.get(lane) {
-            Some(lane) if until > from => lane.spans(from, until, columns.max(1)),
+            Some(lane) if until > from && from < FARTHEST && until > -FARTHEST => {
+                lane.spans(from, until, columns.max(1))
+            }
             _ => Vec::new(),
         }
     }
@@ -156,9 +162,9 @@ impl Lane {
     }
 
     fn spans(&self, from: Nanoseconds, until: Nanoseconds, columns: u32) -> Vec<Span> {
-        // A window longer than the numbers reach has no use for its last nanosecond.
-        let length = until.saturating_sub(from);
-        let width = (length / i64::from(columns)).max(1);
+        // Differences of times beyond these would not fit.
+        let (from, until) = (from.max(-FARTHEST), until.min(FARTHEST));
+        let width = ((until - from) / i64::from(columns)).max(1);
         let first = self.time.partition_point(|&change| change <= from);
         let mut spans = vec![Span {
             start: from,
@@ -171,11 +177,11 @@ impl Lane {
         while at < self.time.len() && self.time[at] < until {
             let column = (self.time[at] - from) / width;
             let column_end = from.saturating_add((column + 1).saturating_mul(width)).min(until);
-            let next = self.first_from(at, column_end);
-            if next - at > 1 {
+            let next = self.first_from(at, column_end).max(at + 1);
+            if next - at > 2 {
                 self.push_busy(&mut spans, at, next, column == column_before + 1);
             } else {
-                spans.push(level(self.edge(at)));
+                spans.extend((at..next).map(|change| level(self.edge(change))));
             }
             column_before = column;
             at = next;
@@ -183,16 +189,16 @@ impl Lane {
         spans
     }
 
-    /// Several changes in one column: a busy span, and the level after it. Columns in a row that
-    /// are busy become one span.
+    /// Many changes in one column: a busy span, and the level after it. Columns in a row that are
+    /// busy become one span.
     fn push_busy(&self, spans: &mut Vec<Span>, at: usize, next: usize, follows: bool) {
-        let changes = u32::try_from(next - at - 1).unwrap_or(u32::MAX);
+        let changes = u32::try_from(next - at - 2).unwrap_or(u32::MAX);
         let before = spans.len().checked_sub(2).filter(|&before| spans[before].changes > 0);
         match before {
             Some(before) if follows => {
                 spans.pop();
-                // The change into this column was the busy span's own last level.
-                spans[before].changes = spans[before].changes.saturating_add(changes + 1);
+                // The level between the two columns is one of the changes now, and so is the first.
+                spans[before].changes = spans[before].changes.saturating_add(changes + 2);
             }
             _ => spans.push(Span { changes, ..level(self.edge(at)) }),
         }

@@ -15,6 +15,8 @@ if TYPE_CHECKING:
     from starlette.requests import Request
 
 Body = TypeVar("Body")
+FARTHEST = 2 * 10**18
+"""Nanoseconds: two of them still fit into 64 bits."""
 _encoder = msgspec.json.Encoder()
 
 
@@ -37,7 +39,7 @@ def number_of(request: Request, name: str, default: int | None = None) -> int:
     if text is None and default is not None:
         return default
     digits = (text or "").removeprefix("-")
-    if not digits.isdecimal() or len(digits) > 19:
+    if not digits.isdecimal() or len(digits) > 19 or int(digits) > FARTHEST:
         raise InputError(f"{name}: expected a whole number, found {text!r}")
     return int(text or "")
 

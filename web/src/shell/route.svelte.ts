@@ -1,0 +1,24 @@
+import { type Address, parseAddress } from "./address";
+import { VIEWS } from "./navigation";
+
+const FIRST = VIEWS[0]!.id;
+
+class Route {
+  address: Address = $state.raw(parseAddress(location.hash, FIRST));
+
+  constructor() {
+    addEventListener("hashchange", () => {
+      this.address = parseAddress(location.hash, FIRST);
+    });
+  }
+
+  get view() {
+    return VIEWS.find((view) => view.id === this.address.view) ?? VIEWS[0]!;
+  }
+}
+
+export const route = new Route();
+
+export function go(hash: string): void {
+  location.hash = hash;
+}
