@@ -247,7 +247,9 @@ class Workshop:
                 f"runglight learn LOG -o {wanted}"
             )
         # The newest: a model learned anew is meant to be used.
-        return max(models, key=lambda item: item.path.stat().st_mtime, default=None)
+        return max(
+            models, key=lambda item: (item.path / "manifest.json").stat().st_mtime, default=None
+        )
 
     async def _load_incidents(self, directory: Path) -> None:
         def load() -> tuple[list[str], list[Act], Acts | None]:

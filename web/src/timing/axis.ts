@@ -16,7 +16,9 @@ export interface Tick {
 
 export function stepFor(wanted: number): number {
   if (wanted >= NS) {
-    return (LONG_STEPS_S.find((step) => step * NS >= wanted) ?? LONG_STEPS_S.at(-1)!) * NS;
+    const year = LONG_STEPS_S.at(-1)!;
+    const step = LONG_STEPS_S.find((each) => each * NS >= wanted) ?? year * Math.ceil(wanted / NS / year);
+    return step * NS;
   }
   const power = 10 ** Math.floor(Math.log10(Math.max(wanted, 1)));
   return [1, 2, 5, 10].map((step) => step * power).find((step) => step >= wanted * 0.999)!;
