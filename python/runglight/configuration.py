@@ -262,7 +262,7 @@ def load_configuration(path: Path | None = None) -> Configuration:
 
 
 def parse_configuration(text: str, path: Path) -> Configuration:
-    """The configuration of a text that stands, or shall stand, in `path`; InputError if it is none."""
+    """The configuration of a text that is, or shall be, in `path`; InputError if it is none."""
     try:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

@@ -26,5 +26,5 @@ def iso(time_ns: int) -> str:
 
 
 def now_iso() -> str:
-    """This moment by the clock of this computer."""
+    """Now, by the clock of this computer."""
     return datetime.now(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")

@@ -207,7 +207,9 @@ def test_a_log_is_uploaded_and_learned(client: TestClient, directory: Path) -> N
     assert client.get("/api/live").json()["model"]["name"] == "new-one.model"
 
 
-@pytest.mark.parametrize(("name", "content"), [("a.exe", b""), ("a.csv", b"\x00\xff\x00"), ("csv", b"")])
+@pytest.mark.parametrize(
+    ("name", "content"), [("a.exe", b""), ("a.csv", b"\x00\xff\x00"), ("csv", b"")]
+)
 def test_an_upload_that_is_no_log_leaves_nothing(
     client: TestClient, directory: Path, name: str, content: bytes
 ) -> None:

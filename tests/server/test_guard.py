@@ -19,7 +19,9 @@ def test_what_the_page_asks_is_answered(client: TestClient) -> None:
     assert client.post(ACKNOWLEDGE, json=NOBODY, headers=same).status_code == 200
 
 
-@pytest.mark.parametrize("host", ["evil.example", "evil.example:8470", "127.0.0.1.evil.example", ""])
+@pytest.mark.parametrize(
+    "host", ["evil.example", "evil.example:8470", "127.0.0.1.evil.example", ""]
+)
 def test_a_name_that_is_not_ours_is_refused(client: TestClient, host: str) -> None:
     refused = client.get("/api/live", headers={"host": host})
     assert refused.status_code == 421

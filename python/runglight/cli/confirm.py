@@ -13,7 +13,7 @@ from runglight.cli.counted import counted
 from runglight.cli.exit_codes import DONE
 from runglight.errors import InputError
 from runglight.findings.acceptance import refuse_without_path
-from runglight.findings.finding import Finding, decode_finding
+from runglight.findings.finding import decode_finding
 from runglight.findings.store import FindingStore
 from runglight.model import load_model
 

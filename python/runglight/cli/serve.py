@@ -61,9 +61,7 @@ def serve(
     if not directory.is_dir():
         raise InputError(f"{directory}: is no directory; name the one with recordings and models")
     path = config if config is not None else directory / "runglight.toml"
-    settings = (
-        load_configuration(path) if config is not None or path.is_file() else None
-    )
+    settings = load_configuration(path) if config is not None or path.is_file() else None
     # Loaded here: the server is no business of the other commands.
     from runglight.configuration import Server  # noqa: PLC0415
     from runglight.server.policy import policy  # noqa: PLC0415
@@ -78,9 +76,7 @@ def serve(
         upload_mb=server.upload_mb,
     )
     listening = listen(chosen.host, port if port is not None else server.port)
-    workshop = Workshop(
-        directory, chosen, configuration_path=path, source=source, model=model
-    )
+    workshop = Workshop(directory, chosen, configuration_path=path, source=source, model=model)
     with contextlib.closing(listening):
         page = PageServer(workshop, listening)
         asyncio.run(run_page(page, address_of(listening)))

@@ -1,5 +1,7 @@
-"""What every request passes before it is answered: whom it asks for, where it comes from, and how
-much it brings. Answers leave with the headers that keep a browser from doing more than it should.
+"""What every request passes before it is answered.
+
+Whom it asks for, where it comes from, and how much it brings. Answers leave with the headers that
+keep a browser from doing more than it should.
 """
 
 from __future__ import annotations
@@ -93,19 +95,23 @@ class Guard:
         api = path.startswith("/api/")
         if api and headers.get("sec-fetch-site", "same-origin") not in {"same-origin", "none"}:
             return refusal(403, "another site's page asked for this; open runglight's own page")
-        if method not in _SAFE:
-            origin = headers.get("origin")
-            if origin is not None and urlsplit(origin).netloc != host:
-                return refusal(403, f"the request comes from {origin}, not from this page")
-            if headers.get(COMMAND_HEADER) is None:
-                return refusal(403, "commands need the header X-Runglight; any value will do")
-            if self._policy.read_only and path != SESSION_PATH:
-                return refusal(403, "this server is read-only; it was started with --read-only")
-            announced = headers.get("content-length", "0")
-            if not announced.isdecimal() or int(announced) > self._limit(path):
-                return _too_large(self._limit(path))
+        if method not in _SAFE and (refused := self._refused_command(headers, path, host)):
+            return refused
         if api and path != SESSION_PATH and not self.admits(headers):
             return refusal(401, "this server wants its token first")
+        return None
+
+    def _refused_command(self, headers: Headers, path: str, host: str) -> JSONResponse | None:
+        origin = headers.get("origin")
+        if origin is not None and urlsplit(origin).netloc != host:
+            return refusal(403, f"the request comes from {origin}, not from this page")
+        if headers.get(COMMAND_HEADER) is None:
+            return refusal(403, "commands need the header X-Runglight; any value will do")
+        if self._policy.read_only and path != SESSION_PATH:
+            return refusal(403, "this server is read-only; it was started with --read-only")
+        announced = headers.get("content-length", "0")
+        if not announced.isdecimal() or int(announced) > self._limit(path):
+            return _too_large(self._limit(path))
         return None
 
     def admits(self, headers: Headers) -> bool:

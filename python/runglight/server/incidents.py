@@ -183,9 +183,11 @@ class Incidents:
         """One line of the list."""
         leading = incident.leading
         suspect = leading.suspects[0] if leading.suspects else None
-        look = [leading.signal, leading.address] if suspect is None else [
-            suspect.signal, suspect.address
-        ]
+        look = (
+            [leading.signal, leading.address]
+            if suspect is None
+            else [suspect.signal, suspect.address]
+        )
         return Summary(
             id=incident.id,
             time=min(each.time for each in incident.findings.values()),

@@ -59,9 +59,7 @@ def trouble(incidents: Incidents) -> dict[str, Light]:
     return lights
 
 
-def lit(
-    place: str, lights: dict[str, Light], *, seen: bool
-) -> Light:
+def lit(place: str, lights: dict[str, Light], *, seen: bool) -> Light:
     """The light of one place; grey where nothing is known of it."""
     if not seen:
         return Light("grey", False)

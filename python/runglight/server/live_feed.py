@@ -47,9 +47,7 @@ class LiveFeed:
         if self.start_ns is None:
             self.start_ns = int(batch.time_ns[0]) if len(batch) else batch.until_ns
         self.until_ns = batch.until_ns
-        self.gaps += [
-            (mark.start_ns, mark.end_ns) for mark in batch.marks if isinstance(mark, Gap)
-        ]
+        self.gaps += [(mark.start_ns, mark.end_ns) for mark in batch.marks if isinstance(mark, Gap)]
         if len(batch):
             self.diagram.append(batch.time_ns, batch.signal_index, batch.value)
             self._rows += len(batch)

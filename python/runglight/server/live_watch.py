@@ -36,7 +36,7 @@ class Watching(msgspec.Struct, frozen=True):
     state: str
     """`off` (nothing to watch), `failed`, or the state of the connection."""
     reason: str | None = None
-    status: "Status | None" = None
+    status: Status | None = None
 
 
 class LiveWatch:
@@ -83,9 +83,7 @@ class LiveWatch:
         url = configuration.source.url
         self._failed = False
         if url is None or not is_live(url):
-            self._why_not = (
-                "no live source is configured: write url = \"modbus://…\" under [source]"
-            )
+            self._why_not = 'no live source is configured: write url = "modbus://…" under [source]'
             return
         self._why_not = "connecting"
         self._running = asyncio.create_task(self._run(url, configuration, model, directory))

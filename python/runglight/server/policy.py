@@ -46,9 +46,7 @@ class Policy:
 
     def takes_token(self, offered: str) -> bool:
         """Whether this is the token; takes equally long for every wrong one."""
-        return self.token is not None and hmac.compare_digest(
-            offered.encode(), self.token.encode()
-        )
+        return self.token is not None and hmac.compare_digest(offered.encode(), self.token.encode())
 
     def session(self) -> str:
         """What a browser is given instead of the token, so that the token need not be kept."""

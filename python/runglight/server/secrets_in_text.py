@@ -7,7 +7,9 @@ import re
 from runglight.errors import InputError
 
 HIDDEN = "••••••"
-_IN_ADDRESS = re.compile(r"(?P<before>[a-z0-9+]+://[^\s:/@\"']*:)(?P<secret>[^\s@\"']+)(?P<after>@)")
+_IN_ADDRESS = re.compile(
+    r"(?P<before>[a-z0-9+]+://[^\s:/@\"']*:)(?P<secret>[^\s@\"']+)(?P<after>@)"
+)
 _IN_KEY = re.compile(
     r"(?P<before>(?:password|token|secret|authorization|key)\s*=\s*[\"'])"
     r"(?P<secret>[^\"'\n]+)(?P<after>[\"'])",

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING
 
 import msgspec
@@ -26,6 +27,7 @@ class Instance(msgspec.Struct, frozen=True, array_like=True):
 def transition_times(
     diagram: _engine.TimingDiagram,
     lanes: Mapping[int, str],
+    *,
     current: tuple[str, int],
     following: tuple[str, int],
     start_ns: int,
@@ -45,6 +47,6 @@ def transition_times(
     events.sort(key=lambda event: event[0])
     return [
         Instance(time_ns / 1e6, (time_ns - before_ns) / 1e9)
-        for (before_ns, *before), (time_ns, *after) in zip(events, events[1:], strict=False)
+        for (before_ns, *before), (time_ns, *after) in pairwise(events)
         if tuple(before) == current and tuple(after) == following
     ][-AT_MOST:]

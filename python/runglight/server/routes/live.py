@@ -36,7 +36,7 @@ async def get_live(request: Request) -> Response:
 
 
 async def get_stream(request: Request) -> Response:
-    """Server-sent events: `hello` (everything), `status`, `lights`, `incidents`, `note`, `resync`."""
+    """Events: `hello` (everything), `status`, `lights`, `incidents`, `note`, `resync`."""
     workshop = workshop_of(request)
     return StreamingResponse(
         workshop.hub.subscribe(live_picture(workshop)), media_type="text/event-stream"

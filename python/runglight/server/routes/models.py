@@ -95,10 +95,10 @@ async def get_times(request: Request) -> Response:
         transition_times,
         source.diagram,
         lanes,
-        (current_signal, current_value),
-        (next_signal, next_value),
-        source.origin_ns,
-        source.until_ns + 1,
+        current=(current_signal, current_value),
+        following=(next_signal, next_value),
+        start_ns=source.origin_ns,
+        until_ns=source.until_ns + 1,
     )
     return json_answer({"source": source.name, "times": times})
 

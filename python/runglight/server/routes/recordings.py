@@ -98,9 +98,7 @@ async def post_upload(request: Request) -> Response:
     finally:
         temporary.unlink(missing_ok=True)
     item = workshop.catalogue.of_path(target)
-    return json_answer(
-        {"id": None if item is None else item.id, "name": target.name, **log}
-    )
+    return json_answer({"id": None if item is None else item.id, "name": target.name, **log})
 
 
 def _read_upload(path: Path, name: str, options: object) -> dict[str, object]:

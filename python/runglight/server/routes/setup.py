@@ -40,9 +40,7 @@ class Rows(msgspec.Struct):
 async def get_configuration(request: Request) -> Response:
     """The file as it is, without its secrets."""
     workshop = workshop_of(request)
-    return json_answer(
-        {"name": workshop.configuration_path.name, "text": hidden(_text(workshop))}
-    )
+    return json_answer({"name": workshop.configuration_path.name, "text": hidden(_text(workshop))})
 
 
 async def post_check(request: Request) -> Response:
