@@ -2,6 +2,7 @@
 
 import datetime
 import json
+from pathlib import Path
 
 import pytest
 
@@ -133,13 +134,10 @@ def test_lights(incidents: Incidents) -> None:
     assert trouble(incidents)["G-D"].colour == "amber"
 
 
-def test_acts_outlive_the_server(tmp_path: object) -> None:
-    from pathlib import Path
-
-    directory = Path(str(tmp_path))
-    acts = Acts(directory)
+def test_acts_outlive_the_server(tmp_path: Path) -> None:
+    acts = Acts(tmp_path)
     acts.append([act("acknowledge"), act("shelve", until="2026-01-05T13:00:00Z")])
     acts.close()
-    again = Acts(directory)
+    again = Acts(tmp_path)
     assert [each.deed for each in again.all()] == ["acknowledge", "shelve"]
     again.close()

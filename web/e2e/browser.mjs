@@ -25,9 +25,13 @@ export async function watchedPage(browser, options = {}) {
 }
 
 /** Presses Tab until something has the focus: what cannot be reached so is not for everybody. */
-export async function tabTo(page, selector, most = 150) {
+export async function tabTo(page, selector, text = "", most = 150) {
+  const there = ([wanted, said]) => {
+    const active = document.activeElement;
+    return active?.matches(wanted) && (active.textContent ?? "").trim().startsWith(said);
+  };
   for (let pressed = 0; pressed < most; pressed += 1) {
-    if (await page.evaluate((wanted) => document.activeElement?.matches(wanted), selector)) return;
+    if (await page.evaluate(there, [selector, text])) return;
     await page.keyboard.press("Tab");
   }
   throw new Error(`${selector} is not reached by Tab`);

@@ -12,7 +12,7 @@ const AXE = readFileSync(createRequire(import.meta.url).resolve("axe-core/axe.mi
 const browser = await opened();
 // axe is put into the page from outside; everything else keeps to the page's own policy.
 const { page, complaints } = await watchedPage(browser);
-page.setDefaultTimeout(60_000);
+page.setDefaultTimeout(30_000);
 
 await page.goto(base);
 await page.getByText("connected", { exact: true }).waitFor();
@@ -73,7 +73,8 @@ await page.keyboard.press("Alt+3");
 await page.locator("section.graph svg").waitFor();
 await tabTo(page, "nav[aria-label='Groups and devices'] a:nth-of-type(2)");
 await page.keyboard.press("Enter");
-await tabTo(page, ".list button");
+await page.locator(".list button", { hasText: /^\s*RET_OFF/ }).first().waitFor();
+await tabTo(page, ".list button", "RET_OFF");
 await page.keyboard.press("Enter");
 await page.locator("section[aria-label=Transition] canvas").first().waitFor();
 say({ charts: await page.locator("section[aria-label=Transition] canvas").count() });
