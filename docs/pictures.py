@@ -28,7 +28,7 @@ def main() -> None:
         write_symbols(PLANTS["cell"].symbols, directory / "symbols.csv")
         learn(log, symbols=directory / "symbols.csv").save(directory / "cell.model")
         (directory / "runglight.toml").write_text(
-            "[signal_state]\n# One false alarm a day is what we can bear.\nfalse_alarms_per_day = 1.0\n"
+            "[signal_state]\n# What we can bear.\nfalse_alarms_per_day = 1.0\n", encoding="utf-8"
         )
         os.environ["PICTURES"] = str(directory / "pictures")
         seen = asyncio.run(look(directory, "prt-chk-on-while-returning", "shots.mjs"))

@@ -82,10 +82,18 @@ async def look(directory: Path, fault: str, script: str) -> Seen:
             assert process.stderr is not None
             seen.told.append(json.loads(await process.stdout.readline() or '{"ended": true}'))
             clock.on_advance(real)
-        async for line in process.stdout:
-            seen.told.append(json.loads(line))
-        seen.errors = (await process.stderr.read()).decode()
-        await process.wait()
+        try:
+            async with asyncio.timeout(GUARD_S):
+                async for line in process.stdout:
+                    seen.told.append(json.loads(line))
+                seen.errors = (await process.stderr.read()).decode()
+                await process.wait()
+        except TimeoutError:
+            seen.errors = f"it was not done after {GUARD_S} s"
+        finally:
+            if process.returncode is None:
+                process.terminate()
+                await process.wait()
         server.stop()
         await serving
         listening.close()

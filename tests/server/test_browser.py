@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.server.browser import GUARD_S, Seen, look, missing
+from tests.server.browser import Seen, look, missing
 
 pytestmark = pytest.mark.skipif(missing() is not None, reason=str(missing()))
 
@@ -20,8 +20,7 @@ def seen(cell: Path, tmp_path_factory: pytest.TempPathFactory) -> Seen:
     shutil.copytree(cell / "cell.model", directory / "cell.model")
     for name in ("symbols.csv", "nominal.csv"):
         shutil.copy(cell / name, directory)
-    looking = look(directory, "prt-chk-on-while-returning", "page.mjs")
-    return asyncio.run(asyncio.wait_for(looking, GUARD_S))
+    return asyncio.run(look(directory, "prt-chk-on-while-returning", "page.mjs"))
 
 
 def test_a_fault_appears_by_itself(seen: Seen) -> None:

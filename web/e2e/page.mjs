@@ -62,9 +62,9 @@ say({ exported: readFileSync(await download.path(), "utf-8") });
 await page.keyboard.press("Alt+2");
 await page.locator(".waves canvas:not([data-fetched='0'])").waitFor();
 await tabTo(page, ".waves");
-for (const key of ["l", "f", "ArrowDown", "p", "p", "b", "p", "+", "+", "ArrowRight"]) {
+for (const key of ["l", "f", "ArrowDown", "p", "b", "p", "p", "+", "+", "ArrowRight"]) {
   await page.keyboard.press(key);
-  await page.waitForTimeout(120);
+  await page.waitForTimeout(300);
 }
 say({ measured: await page.locator(".readout").innerText() });
 
