@@ -15,7 +15,7 @@ from runglight.plants import PLANTS, write_symbols
 from tests.server.browser import look
 
 INTO = Path(__file__).parent / "images/page"
-COLOURS = 96
+COLOURS = 256
 
 
 def main() -> None:
@@ -45,7 +45,9 @@ def _keep(picture: Path, target: Path) -> None:
         shutil.copy(picture, target)
         return
     with Image.open(picture) as image:
-        small = image.convert("RGB").quantize(COLOURS, dither=Image.Dither.NONE)
+        small = image.convert("RGB").quantize(
+            COLOURS, method=Image.Quantize.MAXCOVERAGE, dither=Image.Dither.NONE
+        )
         small.save(target, optimize=True)
 
 

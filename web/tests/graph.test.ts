@@ -33,7 +33,7 @@ describe("graphs", () => {
   it("have one edge a transition, with all its times", () => {
     const found = transitions(RULES);
     expect(found.map((each) => each.clusters.length)).toEqual([2, 1]);
-    expect(dotOf(found)).toContain('label=" 1 s | 5 s "');
+    expect(dotOf(found)).toContain('label="  1 s | 5 s "');
   });
   it("show in red what was not known", () => {
     const finding = { from: "G-D-A_ON", to: "G-D-C_ON", path: [] } as unknown as Finding;

@@ -135,7 +135,7 @@ export function near(all: Transition[], states: (string | null)[]): Transition[]
 function edgeLabel(each: Transition): string {
   const times = each.clusters.flatMap((rule) => (rule.average_s === null ? [] : [seconds(rule.average_s)]));
   const share = each.probability < 0.995 ? `${Math.round(each.probability * 100)} %  ` : "";
-  return ` ${share}${times.join(" | ")} `;
+  return `  ${share}${times.join(" | ")} `;
 }
 
 function seconds(value: number): string {

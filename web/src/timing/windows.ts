@@ -21,7 +21,6 @@ const FINEST = 0.2;
 export class Windows {
   #fetched: Fetched | null = null;
   #running: AbortController | null = null;
-  #wanted = "";
   /** Where a live source ends by now. */
   until: number | null = null;
 
@@ -43,10 +42,9 @@ export class Windows {
     const margin = lengthOf(view) * AHEAD;
     const from = Math.floor(view.from - margin);
     const until = Math.ceil(view.until + margin);
-    const key = `${from} ${until} ${width} ${lanes.join()}`;
-    if (this.#running && (key === this.#wanted || anew)) return;
-    this.#running?.abort();
-    this.#wanted = key;
+    // One at a time: while the view moves, each would be given up for the next, and none would
+    // ever arrive. Whoever is told that one has, asks again.
+    if (this.#running) return;
     void this.#fetch({ from, until }, lanes, Math.min(Math.ceil(width) * (1 + 2 * AHEAD), 20_000));
   }
 
