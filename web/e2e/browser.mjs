@@ -25,7 +25,7 @@ export async function watchedPage(browser, options = {}) {
 }
 
 /** Presses Tab until something has the focus: what cannot be reached so is not for everybody. */
-export async function tabTo(page, selector, text = "", most = 150) {
+export async function tabTo(page, selector, text = "", most = 400) {
   const there = ([wanted, said]) => {
     const active = document.activeElement;
     return active?.matches(wanted) && (active.textContent ?? "").trim().startsWith(said);

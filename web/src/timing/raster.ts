@@ -111,10 +111,16 @@ function eachSpan(
   if (!count) return;
   const scale = width / lengthOf(view);
   let at = Math.max(spanAt(lane, view.from), 0);
+  let drawn = -Infinity;
   let left = Math.max(Math.floor((lane.start[at]! - view.from) * scale), -4);
   for (; at < count && left < width; at += 1) {
     const next = at + 1 < count ? Math.floor((lane.start[at + 1]! - view.from) * scale) : width;
     const right = Math.min(next, width);
+    // Within one pixel, the first edge has drawn all of it.
+    if (right === left) {
+      if (left === drawn) continue;
+      drawn = left;
+    }
     draw(left, right, at, at === 0 || !lane.known[at - 1]);
     left = right;
   }
