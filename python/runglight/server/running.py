@@ -45,6 +45,8 @@ def listen(host: str, port: int) -> socket.socket:
     listening.setsockopt(socket.SOL_SOCKET, socket.SO_REUSEADDR, 1)
     try:
         listening.bind((host, port))
+        # Whoever reads the address and asks at once waits, and is not turned away.
+        listening.listen(128)
     except (OSError, UnicodeError) as error:
         listening.close()
         why = error.strerror if isinstance(error, OSError) else error

@@ -12,6 +12,11 @@ class Route {
     });
   }
 
+  /** What stands behind a view's own name; nothing while another view is opened. */
+  of(view: string): Address {
+    return this.address.view === view ? this.address : { view, rest: [], query: new URLSearchParams() };
+  }
+
   get view() {
     return VIEWS.find((view) => view.id === this.address.view) ?? VIEWS[0]!;
   }
