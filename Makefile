@@ -12,24 +12,44 @@ export PIP_ROOT_USER_ACTION := ignore
 
 PYTHON ?= python3
 BIN := .venv/bin
+PAGE := python/runglight/server/page/index.html
+PAGE_SOURCES := $(shell find web/src web/public -type f) $(addprefix web/,index.html package.json package-lock.json svelte.config.js tsconfig.json vite.config.ts)
+# The page is built with Node 20 or newer; without it everything else works.
+HAS_NODE := $(shell node -e 'process.exit(parseInt(process.versions.node) >= 20 ? 0 : 1)' 2>/dev/null && npm --version >/dev/null 2>&1 && echo yes)
 ENGINE := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock
 
-.PHONY: help setup demo test test-rust test-python check bench docs clean
+.PHONY: help setup page demo test test-rust test-python test-page check check-page bench docs clean
 
 help: ## Show what there is
 	@grep -E '^[a-z-]+:.*## ' $(MAKEFILE_LIST) | sed -E 's/:.*## /\t/' | expand -t 14
 
-setup: .venv/installed ## Build .venv with the engine compiled in release
+setup: page .venv/installed ## Build the page, and .venv with the engine compiled in release
+
+ifeq ($(HAS_NODE),yes)
+page: $(PAGE) ## Build the web page (needs Node 20)
+else
+page:
+	@echo "no Node 20 here: the page is not built, everything else is; install Node and run make page" >&2
+endif
+
+# Not committed: it is built before the package that it goes into.
+$(PAGE): web/node_modules/.package-lock.json $(PAGE_SOURCES)
+	cd web && npm run --silent build -- --logLevel warn
+	touch $@
+
+web/node_modules/.package-lock.json: web/package-lock.json
+	cd web && npm ci --no-audit --no-fund --loglevel=error
+	touch $@
 
 .venv/installed: pyproject.toml $(ENGINE)
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
 	$(BIN)/pip install -q -e ".[dev]"
 	touch $@
 
-demo: .venv/installed ## Learn a simulated cell, break it, name the fault
+demo: page .venv/installed ## Learn a simulated cell, break it, name the fault, show the page
 	$(BIN)/runglight demo
 
-test: test-rust test-python ## All tests
+test: test-rust page test-page test-python ## All tests
 
 test-rust:
 	cargo test --release --workspace
@@ -37,7 +57,18 @@ test-rust:
 test-python: .venv/installed
 	$(BIN)/pytest
 
-check: .venv/installed ## Lints, types and formatting
+ifeq ($(HAS_NODE),yes)
+test-page: $(PAGE)
+	cd web && npm test --silent
+
+check-page: $(PAGE)
+	cd web && npm run --silent check
+else
+test-page check-page:
+	@echo "no Node 20 here: the page is not tested" >&2
+endif
+
+check: .venv/installed check-page ## Lints, types and formatting
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
@@ -57,4 +88,4 @@ docs: .venv/installed ## Write the generated pages of docs/reference
 	$(BIN)/python docs/generate.py
 
 clean: ## Remove what was built
-	rm -rf .venv target demo-out benches/c/build benches/plat_baseline/build benches/results
+	rm -rf .venv target demo-out web/node_modules python/runglight/server/page benches/c/build benches/plat_baseline/build benches/results

@@ -98,6 +98,30 @@ class Monitor:
     def take_snapshots(self) -> list[str]:
         """Snapshots made since the last call, JSON: `{id, time, devices: {...}, groups: {...}}`."""
 
+class TimingDiagram:
+    """The changes of every signal, ready to be drawn at any scale; lanes are signal indices."""
+
+    def __init__(self, log: ChangeLog | None = None) -> None: ...
+    def append(self, time_ns: Any, signal_index: Any, value: Any) -> None:
+        """Adds rows (int64, uint32, int64) that are no older than those before."""
+    def forget_before(self, time_ns: int) -> None:
+        """Forgets what was over before a time; the level each signal had then is kept."""
+    @property
+    def lanes(self) -> int: ...
+    def changes(self, lane: int) -> int: ...
+    def value_range(self, lane: int) -> tuple[int, int] | None:
+        """Smallest and largest value a lane ever had."""
+    def spans(
+        self, lanes: Sequence[int], from_ns: int, until_ns: int, columns: int
+    ) -> tuple[Any, Any, Any, Any, Any]:
+        """What to draw: `(spans per lane uint32, start_ns int64, value int64, changes uint32, known uint8)` as numpy arrays. `changes` above 0: too close together to be drawn one by one."""
+    def edges(
+        self, lane: int, from_ns: int, until_ns: int, limit: int = 100_000
+    ) -> list[tuple[int, int]]:
+        """Time and value of the changes from `from_ns` up to `until_ns`, the oldest first."""
+    def next_edge(self, lane: int, after_ns: int) -> tuple[int, int] | None: ...
+    def previous_edge(self, lane: int, before_ns: int) -> tuple[int, int] | None: ...
+
 class CycleModel:
     """The cycle machine of a plant (Guim & Dias 2023): regions, and an automaton per phase."""
 

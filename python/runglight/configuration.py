@@ -189,6 +189,16 @@ class Server(Struct, forbid_unknown_fields=True):
 
     metrics: str | None = None
     """Live: `HOST:PORT` for Prometheus; a port alone is on loopback."""
+    host: str = "127.0.0.1"
+    """Page: address to listen at; any but loopback needs `--token`."""
+    port: Annotated[int, Meta(ge=0, le=65535)] = 8470
+    """Page: port to listen at; 0 takes a free one."""
+    read_only: bool = False
+    """Page: it shows, and changes nothing."""
+    upload_mb: Positive = 500.0
+    """Page: largest file that may be uploaded."""
+    model: str | None = None
+    """Page: model to watch with, relative to the served directory; default: the newest there."""
 
 
 class Record(Struct, forbid_unknown_fields=True):
@@ -318,11 +328,18 @@ def load_configuration(path: Path | None = None) -> Configuration:
             return Configuration()
         path = DEFAULT_FILE
     try:
-        tables = tomllib.loads(path.read_text(encoding="utf-8-sig"))
-    except tomllib.TOMLDecodeError as error:
-        raise InputError(f"{path}: not valid TOML: {_lowered(str(error))}") from None
+        text = path.read_text(encoding="utf-8-sig")
     except UnicodeDecodeError as error:
         raise InputError(f"{path}: not UTF-8 text (byte {error.start}); save it as UTF-8") from None
+    return parse_configuration(text, path)
+
+
+def parse_configuration(text: str, path: Path) -> Configuration:
+    """The configuration of a text that is, or shall be, in `path`; InputError if it is none."""
+    try:
+        tables = tomllib.loads(text)
+    except tomllib.TOMLDecodeError as error:
+        raise InputError(f"{path}: not valid TOML: {_lowered(str(error))}") from None
     configuration = _converted(tables, path)
     # Paths in the file are seen from the file, not from where the command is run.
     for owner, key in (

@@ -17,6 +17,9 @@ WEBHOOK_AUTHORIZATION = "RUNGLIGHT_WEBHOOK_AUTHORIZATION"
 MQTT_PASSWORD = "RUNGLIGHT_MQTT_PASSWORD"
 """Password for the broker that findings are published to."""
 
+PAGE_TOKEN = "RUNGLIGHT_TOKEN"
+"""What others must type in before the page shows them anything: `runglight serve --token`."""
+
 # NO_COLOR and FORCE_COLOR are honoured by rich, PATH by the search for Graphviz.
 
 
@@ -38,6 +41,11 @@ def webhook_authorization() -> str | None:
 def mqtt_password() -> str | None:
     """Password for the broker that findings are published to."""
     return os.environ.get(MQTT_PASSWORD) or None
+
+
+def page_token() -> str | None:
+    """Token of the page."""
+    return os.environ.get(PAGE_TOKEN) or None
 
 
 def columns(default: int) -> int:

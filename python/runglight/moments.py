@@ -23,3 +23,8 @@ def iso(time_ns: int) -> str:
     except OverflowError:
         return f"{time_ns} ns"
     return time.isoformat(timespec="milliseconds").replace("+00:00", "Z")
+
+
+def now_iso() -> str:
+    """Now, by the clock of this computer."""
+    return datetime.now(UTC).isoformat(timespec="milliseconds").replace("+00:00", "Z")

@@ -19,3 +19,4 @@ pub mod stem;
 pub mod symbol_index;
 pub mod symbols;
 pub mod timing;
+pub mod timing_diagram;

@@ -11,6 +11,7 @@ mod model;
 mod monitor;
 mod process;
 mod stream;
+mod timing_diagram;
 
 use pyo3::prelude::*;
 
@@ -34,6 +35,7 @@ fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<process::petri_net::PyPetriNet>()?;
     module.add_class::<process::next_activity::PyNextActivity>()?;
     module.add_class::<process::next_monitor::PyNextMonitor>()?;
+    module.add_class::<timing_diagram::PyTimingDiagram>()?;
     module.add_function(wrap_pyfunction!(change_log::read_log, module)?)?;
     module.add_function(wrap_pyfunction!(change_log::write_log, module)?)?;
     module.add_function(wrap_pyfunction!(change_log::log_from_columns, module)?)?;

@@ -35,6 +35,7 @@ COMMANDS = {
     "learn": ("learn:learn", "Learn what nominal looks like from fault-free logs."),
     "show": ("show:show", "Show what a model knows: devices, rules, drawings."),
     "watch": ("watch:watch", "Say what departs from the nominal model."),
+    "serve": ("serve:serve", "Show the machine in a browser."),
     "confirm": ("confirm:confirm", "Accept a finding's path: from now on it is nominal."),
     "identify": ("identify:identify", "Find the address that declared events mean."),
     "mine": ("mine:mine", "Mine the net that the runs of a machine follow."),

@@ -12,8 +12,8 @@ from runglight.cli import terminal
 from runglight.cli.counted import counted
 from runglight.cli.exit_codes import DONE
 from runglight.errors import InputError
-from runglight.findings.finding import Finding, decode_finding
-from runglight.findings.schema import CONFIRMABLE_KINDS
+from runglight.findings.acceptance import refuse_without_path
+from runglight.findings.finding import decode_finding
 from runglight.findings.store import FindingStore
 from runglight.model import load_model
 
@@ -34,7 +34,7 @@ def confirm(model: Path, finding_id: str, /) -> int:
     nominal = load_model(model)
     line = _newest(model, finding_id)
     finding = decode_finding(line)
-    _refuse_without_path(finding)
+    refuse_without_path(finding)
     new = nominal.confirm(line)
     path = " → ".join(finding.path)
     console = terminal.results()
@@ -63,20 +63,6 @@ def _newest(model: Path, finding_id: str) -> str:
         known = f"nearest: {', '.join(near)}" if near else "there are none yet"
         raise InputError(f"{model}: no finding {finding_id!r} is kept here; {known}")
     return line
-
-
-def _refuse_without_path(finding: Finding) -> None:
-    if finding.kind not in CONFIRMABLE_KINDS:
-        kinds = " and ".join(CONFIRMABLE_KINDS)
-        raise InputError(
-            f"{finding.id} is of kind {finding.kind} and has no path to accept; "
-            f"only {kinds} findings can be confirmed"
-        )
-    if not finding.path:
-        raise InputError(
-            f"{finding.id} has no path: {finding.place} did not come back to known transitions; "
-            "confirm it once a watched log shows that it does"
-        )
 
 
 def _acknowledge(model: Path, line: str) -> None:

@@ -46,12 +46,15 @@ NOMINAL_CYCLES = 20
 SHOWN_DEVICE = "PrtLDR"
 
 
-def demo(*, fault: str = "1", to: Path = Path("demo-out")) -> int:
+def demo(
+    *, fault: str = "1", to: Path = Path("demo-out"), page: bool | None = None, port: int = 8470
+) -> int:
     """Break a machine and have the fault named.
 
     Serves a simulated assembly cell over Modbus TCP, records twenty cycles of it, learns them,
     breaks the cell, and says which device departed, at which address, what should have happened,
-    and how the machine got there. Takes a minute or two.
+    and how the machine got there. Takes a minute or two. On a terminal it ends with the page open
+    on the broken cell, which works on until Ctrl-C.
 
     Parameters
     ----------
@@ -59,6 +62,10 @@ def demo(*, fault: str = "1", to: Path = Path("demo-out")) -> int:
         Which of the twelve faults, by number or name; `runglight simulate --list` names them.
     to: Path
         Directory for recordings, logs, model, drawings and findings (default: `demo-out`).
+    page: bool
+        Show the page at the end (default: where there is a terminal).
+    port: int
+        Port of the page (default: 8470; where that is taken, a free one).
 
     """
     # Plants need numpy: not before one is asked for.
@@ -72,12 +79,13 @@ def demo(*, fault: str = "1", to: Path = Path("demo-out")) -> int:
     to.mkdir(parents=True, exist_ok=True)
     for recording in (to / "nominal", to / "watched"):
         _away(recording)
-    asyncio.run(_tell(terminal.results(), cell, broken, to))
+    shows = terminal.is_attended() if page is None else page
+    asyncio.run(_tell(terminal.results(), cell, broken, to, port if shows else None))
     return DONE
 
 
 async def _tell(
-    console: Console, cell: PlantDescription, broken: FaultDescription, to: Path
+    console: Console, cell: PlantDescription, broken: FaultDescription, to: Path, port: int | None
 ) -> None:
     from runglight.cli.demo_machine import demo_machine  # noqa: PLC0415
 
@@ -127,19 +135,23 @@ async def _tell(
                 highlight=False,
             )
 
-    log_to_its_end(to / "watched").write(to / "faulty.csv")
-    with output(to / "findings.jsonl") as stream:
-        stream.writelines(line + "\n" for line in watched.lines)
-    findings = [decode_finding(line) for line in watched.lines]
-    with FindingStore(model_directory) as store:
-        ids = {finding.snapshot_id for finding in findings if finding.snapshot_id}
-        texts = [text for each in ids if (text := store.snapshot(each)) is not None]
-    snapshots = {snapshot["id"]: snapshot for snapshot in map(json.loads, texts)}
-    _step(console, 4, "What it was")
-    _name_the_fault(console, findings, snapshots)
-    print_findings(console, findings, notices=False)
-    console.print(Text(summary_line(findings, watched.rows, watched.machine_s)), soft_wrap=True)
-    _next(console, to, model_directory, drawings, findings)
+        log_to_its_end(to / "watched").write(to / "faulty.csv")
+        with output(to / "findings.jsonl") as stream:
+            stream.writelines(line + "\n" for line in watched.lines)
+        findings = [decode_finding(line) for line in watched.lines]
+        with FindingStore(model_directory) as store:
+            ids = {finding.snapshot_id for finding in findings if finding.snapshot_id}
+            texts = [text for each in ids if (text := store.snapshot(each)) is not None]
+        snapshots = {snapshot["id"]: snapshot for snapshot in map(json.loads, texts)}
+        _step(console, 4, "What it was")
+        _name_the_fault(console, findings, snapshots)
+        print_findings(console, findings, notices=False)
+        console.print(Text(summary_line(findings, watched.rows, watched.machine_s)), soft_wrap=True)
+        _next(console, to, model_directory, drawings, findings)
+        if port is not None:
+            from runglight.cli.demo_page import show_page  # noqa: PLC0415
+
+            await show_page(machine, to, port)
 
 
 def _away(recording: Path) -> None:

@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from runglight.plants.faults import FaultLabel
     from runglight.plants.running import RunningPlant
     from runglight.softplc import SoftPlc
+    from runglight.taps.clock import Clock
 
 SEED = 1
 SOUND_S = 30.0
@@ -80,6 +81,15 @@ class DemoMachine:
     def url(self) -> str:
         """Where a tap finds it."""
         return self._plc.tap_url
+
+    @property
+    def clock(self) -> Clock:
+        """Its time."""
+        return self._clock
+
+    def run_on(self) -> None:
+        """From now on its time flows as everybody's does."""
+        self._clock.run_on()
 
     @property
     def symbols(self) -> str:

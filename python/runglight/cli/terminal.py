@@ -97,5 +97,10 @@ def reporting() -> Iterator[Report]:
         yield Report(status)
 
 
+def is_attended() -> bool:
+    """Whether somebody sits at a terminal, and could press Ctrl-C."""
+    return sys.stdin.isatty() and sys.stdout.isatty() and not environment.unattended()
+
+
 def _watched() -> bool:
     return sys.stderr.isatty() and not environment.unattended()

@@ -32,7 +32,8 @@ class Keeper:
     some of those twice; lines and their ids stay the same.
     """
 
-    def __init__(self, model_directory: Path, say: Callable[[str], None]) -> None:
+    def __init__(self, model_directory: Path | None, say: Callable[[str], None]) -> None:
+        # Without a directory, findings live in memory.
         self._directory = model_directory
         self._say = say
         self._thread = ThreadPoolExecutor(1, "findings")

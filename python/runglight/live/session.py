@@ -15,7 +15,6 @@ from runglight.taps.base import ConnectionState
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
 
-    from runglight.live.batch_watcher import BatchWatcher
     from runglight.live.checkpoint import Checkpoint
     from runglight.live.delivery import Receiver
     from runglight.live.keeper import Keeper
@@ -39,6 +38,24 @@ class Recording(Protocol):
         """Writes the rest; may take a while, and raises as `append` does."""
 
 
+class Watcher(Protocol):
+    """What judges every batch: `BatchWatcher`."""
+
+    late_rows: int
+
+    def take(self, batch: Batch) -> list[str]:
+        """The findings of one batch, as JSON lines."""
+
+    def complete(self) -> list[str]:
+        """No batch will come for a while, or ever."""
+
+    def take_snapshots(self) -> list[str]:
+        """Snapshots made since the last call, as JSON."""
+
+    def state(self) -> bytes:
+        """What a restart goes on from."""
+
+
 class Session:
     """Watches until the tap ends or `stop` is called.
 
@@ -49,7 +66,7 @@ class Session:
     def __init__(
         self,
         tap: Tap,
-        watcher: BatchWatcher,
+        watcher: Watcher,
         keeper: Keeper,
         *,
         tell: Callable[[list[str]], None],

@@ -32,14 +32,19 @@ def _rows(text: str) -> Iterator[list[str]]:
     return csv.reader(lines, delimiter=delimiter)
 
 
-def names_by_address(symbols_csv: str, naming: str) -> dict[str, str]:
-    """What the table calls each address, by the naming rule; addresses without a name are left."""
-    names: dict[str, str] = {}
+def dictionaries(symbols_csv: str) -> Iterator[dict[str, str]]:
+    """The rows of a symbol table by column, in small letters; a short row lacks its last cells."""
     rows = _rows(symbols_csv)
     header = [name.strip().casefold() for name in next(rows, [])]
     for row in rows:
         # A short row lacks its last cells, which is as good as empty ones.
-        cells = dict(zip(header, map(str.strip, row), strict=False))
+        yield dict(zip(header, map(str.strip, row), strict=False))
+
+
+def names_by_address(symbols_csv: str, naming: str) -> dict[str, str]:
+    """What the table calls each address, by the naming rule; addresses without a name are left."""
+    names: dict[str, str] = {}
+    for cells in dictionaries(symbols_csv):
         address, signal = cells.get("address"), cells.get("signal")
         if address and signal:
             parts = {"group": cells.get("group", ""), "device": cells.get("device", "")}

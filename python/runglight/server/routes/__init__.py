@@ -1,0 +1,18 @@
+"""The HTTP API, one file per room of the page; a new view adds its file and its line in `ROOMS`."""
+
+from typing import TYPE_CHECKING
+
+from runglight.server.routes import incidents, live, models, recordings, session, setup, timing
+
+if TYPE_CHECKING:
+    from starlette.routing import Route
+
+ROOMS: "list[list[Route]]" = [
+    session.ROUTES,
+    live.ROUTES,
+    incidents.ROUTES,
+    timing.ROUTES,
+    models.ROUTES,
+    recordings.ROUTES,
+    setup.ROUTES,
+]

@@ -1,0 +1,62 @@
+"""A real browser on the page of a real (simulated) machine over real Modbus."""
+
+import asyncio
+import csv
+import io
+import shutil
+from pathlib import Path
+
+import pytest
+
+from tests.server.browser import Seen, look, missing
+
+pytestmark = pytest.mark.skipif(missing() is not None, reason=str(missing()))
+
+
+@pytest.fixture(scope="module")
+def seen(cell: Path, tmp_path_factory: pytest.TempPathFactory) -> Seen:
+    """One visit, by keyboard alone; the tests look at what it told."""
+    directory = tmp_path_factory.mktemp("page")
+    shutil.copytree(cell / "cell.model", directory / "cell.model")
+    for name in ("symbols.csv", "nominal.csv"):
+        shutil.copy(cell / name, directory)
+    return asyncio.run(look(directory, "prt-chk-on-while-returning", "page.mjs"))
+
+
+def test_a_fault_appears_by_itself(seen: Seen) -> None:
+    # How soon is measured by benches/live_page.py: here, a busy machine may take its time.
+    assert seen["appeared_ms"] >= seen.shown_ms - 50
+    print(f"on the page {seen['appeared_ms'] - seen.shown_ms:.0f} ms after the change in the PLC")
+
+
+def test_it_is_opened_and_understood(seen: Seen) -> None:
+    assert "PRT_CHK (%IX0.2)" in seen["sentence"]
+    assert seen["suspect"].startswith("%IX0.2")
+    assert seen["red_nodes"] > 0
+    assert seen["devices"] > 0
+
+
+def test_it_is_acknowledged_and_exported(seen: Seen) -> None:
+    assert seen["acknowledged"]
+    [row] = [
+        row for row in csv.DictReader(io.StringIO(seen["exported"])) if row["severity"] == "fault"
+    ]
+    assert row["acknowledged_by"] == "Ada"
+
+
+def test_every_view_is_worked_by_keyboard(seen: Seen) -> None:
+    assert "Δt" in seen["measured"]
+    assert seen["charts"] == 2
+    assert seen["recorded"]
+    assert seen["validated"]
+
+
+def test_the_browser_has_nothing_to_complain_about(seen: Seen) -> None:
+    assert seen["complaints"] == []
+
+
+def test_axe_is_content_and_nothing_sticks_out(seen: Seen) -> None:
+    looked = [each for each in seen.told if "axe" in each]
+    assert len(looked) == 15, seen.errors
+    assert {each["axe"]: each["violations"] for each in looked if each["violations"]} == {}
+    assert [each["axe"] for each in looked if each["sticks_out"]] == []

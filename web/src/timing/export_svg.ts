@@ -1,0 +1,88 @@
+// The diagram as a drawing for a report.
+
+import type { Signal } from "../api/types";
+import { moment, ticks } from "./axis";
+import { isWord } from "./choose";
+import type { Lane } from "./spans";
+import { spanAt } from "./spans";
+import type { View } from "./view";
+import { toPixel } from "./view";
+
+const LABELS = 190;
+const ROW = 24;
+const TOP = 30;
+
+export function svgOf(
+  signals: Signal[],
+  laneOf: (lane: number) => Lane | undefined,
+  view: View,
+  originNs: bigint,
+  title: string,
+  width = 1000,
+): string {
+  const height = TOP + signals.length * ROW + 10;
+  const parts: string[] = [];
+  for (const tick of ticks(view, width, originNs)) {
+    const x = LABELS + toPixel(view, width, tick.time);
+    parts.push(`<path d="M${x.toFixed(1)} ${TOP}V${height - 10}" stroke="#e0e2e1"/>`);
+    parts.push(`<text x="${(x + 3).toFixed(1)}" y="24" fill="#555c62">${tick.label}</text>`);
+  }
+  signals.forEach((signal, row) => {
+    const top = TOP + row * ROW + 4;
+    parts.push(`<text x="4" y="${top + 12}">${escaped(`${signal.device} ${signal.signal}`)}</text>`);
+    const lane = laneOf(signal.lane);
+    if (lane) parts.push(isWord(signal) ? word(lane, view, width, top) : bit(lane, view, width, top));
+  });
+  const from = moment(originNs, view.from);
+  return [
+    `<svg xmlns="http://www.w3.org/2000/svg" width="${LABELS + width}" height="${height}" font-family="sans-serif" font-size="11">`,
+    `<title>${escaped(title)}</title><desc>from ${from} UTC</desc>`,
+    `<rect width="100%" height="100%" fill="#fff"/><text x="4" y="12" font-weight="bold">${escaped(title)}</text><text x="${LABELS}" y="12" fill="#555c62">from ${from} UTC</text>`,
+    ...parts,
+    "</svg>",
+  ].join("\n");
+}
+
+function* visible(lane: Lane, view: View, width: number): Generator<[number, number, number]> {
+  for (let at = Math.max(spanAt(lane, view.from), 0); at < lane.start.length; at += 1) {
+    if (lane.start[at]! >= view.until) return;
+    const left = LABELS + Math.max(toPixel(view, width, lane.start[at]!), 0);
+    const end = at + 1 < lane.start.length ? lane.start[at + 1]! : view.until;
+    yield [at, left, LABELS + Math.min(toPixel(view, width, end), width)];
+  }
+}
+
+function bit(lane: Lane, view: View, width: number, top: number): string {
+  let path = "";
+  let busy = "";
+  for (const [at, left, right] of visible(lane, view, width)) {
+    if (!lane.known[at]) continue;
+    if (lane.changes[at]) {
+      busy += `<rect x="${left.toFixed(1)}" y="${top}" width="${Math.max(right - left, 1).toFixed(1)}" height="16" fill="#7d95ab"/>`;
+      path += `M${right.toFixed(1)} ${top}`;
+      continue;
+    }
+    const y = lane.value[at] ? top : top + 16;
+    path += `${path ? "L" : "M"}${left.toFixed(1)} ${y}H${right.toFixed(1)}`;
+  }
+  return `${busy}<path d="${path}" fill="none" stroke="#23282c"/>`;
+}
+
+function word(lane: Lane, view: View, width: number, top: number): string {
+  let drawn = "";
+  for (const [at, left, right] of visible(lane, view, width)) {
+    if (!lane.known[at]) continue;
+    const fill = lane.changes[at] ? "#7d95ab" : "#f3f6f9";
+    const wide = Math.max(right - left, 1);
+    drawn += `<rect x="${left.toFixed(1)}" y="${top}" width="${wide.toFixed(1)}" height="16" fill="${fill}" stroke="#23282c" stroke-width=".6"/>`;
+    const text = String(lane.value[at]);
+    if (!lane.changes[at] && wide > text.length * 7 + 6) {
+      drawn += `<text x="${((left + right) / 2).toFixed(1)}" y="${top + 12}" text-anchor="middle">${text}</text>`;
+    }
+  }
+  return drawn;
+}
+
+function escaped(text: string): string {
+  return text.replace(/[&<>"]/g, (letter) => `&#${letter.charCodeAt(0)};`);
+}
