@@ -12,6 +12,9 @@ Whoever declares is human: an event is seen on the first photo after it (up to a
 declared up to another second late, and in one case of twenty not at all. What is declared is what
 the machine does, never what an address does.
 
+The computer that measured was overloaded: one recording of six lacks one to three scans, told as a
+gap, because a reply took longer than the half second a tap waits.
+
 Measured with `python -m benches.identification` and `python -m benches.proposed_identification`;
 the numbers are in [identification.json](identification.json).
 """
