@@ -2,6 +2,7 @@
 
 import asyncio
 from collections.abc import Callable
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -73,7 +74,7 @@ def test_the_clock_leaps_only_while_nothing_happens() -> None:
     press.advance(START_NS)
     press.on_change(lambda time_ns, _number, _value: changed.append(time_ns))
     times = asyncio.run(scan(START_NS + 120 * 10**9))
-    steps = [after - before for before, after in zip(times, times[1:], strict=False)]
+    steps = [after - before for before, after in pairwise(times)]
     assert {step % clock.interval_ns for step in steps} == {0}
     assert max(steps) < 10**9
     assert len(times) < 0.6 * 120 / 0.15
