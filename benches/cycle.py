@@ -1,9 +1,9 @@
 """The cycle machine on the press: `python -m benches.cycle [--only PART ...]`.
 
 Table 3 of Guim & Dias 2023 (fifteen days, 24 failures, 54 stops and variations) in both modes, on
-logs of the PLC and over real S7 (`benches.press_s7`), a month without failures, returns from manual,
-slower polling with bursts of overload, wear, both models together, and speed. Numbers are kept in
-benches/results/cycle.json.
+logs of the PLC and over real S7 (`benches.press_s7`), a month without failures, returns from
+manual, slower polling with bursts of overload, wear, both models together, and speed. Numbers are
+kept in benches/results/cycle.json.
 """
 
 import argparse
@@ -46,7 +46,7 @@ def total(model: Any, stretches: Iterable[Days]) -> Scored:
 
 
 def table_3() -> Rows:
-    """The confusion matrix in both modes: the days the method was worked out on, and unseen ones."""
+    """The confusion matrix: the days the method was worked out on, and unseen ones."""
     log = press_days.learned_from().log
     models = {mode: learned(log, mode) for mode in MODES_OF_COMPARING}
     return [
@@ -185,7 +185,7 @@ def wear() -> Rows:
 
 
 def witnesses() -> Rows:
-    """Both models watch fifteen days: incidents between the beginning of a failure and its alarm."""
+    """Both models watch fifteen days: incidents from the beginning of a failure to its alarm."""
     log = press_days.learned_from(cycles=1_000).log
     settings = cycle_json(Modes(**MODES), REGIONS, Cycle())
     model = learn_with([log], symbols_csv(SYMBOLS), Parameters(), settings)

@@ -1,9 +1,9 @@
 """The press polled over real S7: `python -m benches.press_s7 [--only PART ...]`.
 
-The press is served by the soft PLC and polled by the S7 tap; its clock goes on with each scan. While
-nothing moves it goes on by several intervals at once, but never by so much that a scan would be
-missing. Recordings are kept in `benches/results/press`; `python -m benches.cycle --only s7` learns
-from them and watches them.
+The press is served by the soft PLC and polled by the S7 tap; its clock goes on with each scan.
+While nothing moves it goes on by several intervals at once, but never by so much that a scan would
+be missing. Recordings are kept in `benches/results/press`; `python -m benches.cycle --only s7`
+learns from them and watches them.
 """
 
 import argparse

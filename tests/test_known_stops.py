@@ -1,4 +1,4 @@
-"""Stops with the alarm bit ON that are no failure: known where learning saw them again and again."""
+"""Stops with the alarm bit ON that are no failure: known where they were learned often."""
 
 import json
 from collections.abc import Callable, Iterable
@@ -22,7 +22,7 @@ OPEN_DOOR: Doing = lambda press: press.open_door(30.0)  # noqa: E731
 
 
 def pressed(doings: Iterable[Doing], *, seed: int, cycles: int, every: int = 4) -> Log:
-    """A press at work; after every few cycles one of the doings, at different moments of a cycle."""
+    """A press at work; every few cycles one of the doings, at different moments."""
     press = RunningPress(START_NS, seed)
     log = PressLog(press, START_NS)
     ahead = iter(doings)
@@ -79,9 +79,7 @@ def test_a_stop_seen_again_and_again_is_no_failure(
     assert "4 times while it was learned" in stops[1]["message"]
 
 
-def test_asked_so_every_stop_is_a_failure(
-    learned_log: Log, watched_log: Log, symbols: str
-) -> None:
+def test_asked_so_every_stop_is_a_failure(learned_log: Log, watched_log: Log, symbols: str) -> None:
     findings = found(learned_log, watched_log, symbols, known_stops=0)
     assert sum(finding["rank"] == 1 for finding in findings) == 5
 

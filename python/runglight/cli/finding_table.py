@@ -115,7 +115,7 @@ def suspects_text(finding: Finding) -> str:
         return ""
     group = f"{finding.group}-"
     named = [
-        " ".join(filter(None, (each.address, each.signal.removeprefix(group))))
+        " ".join(filter(None, (each.address, (each.signal or "").removeprefix(group))))
         for each in finding.suspects
     ]
     more = len(named) - SUSPECTS_SHOWN

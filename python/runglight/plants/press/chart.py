@@ -72,9 +72,14 @@ class _Draft:
             conditions.append((f"{device}-{_VALVE[not out]}", False))
         self.steps.append(
             Step(
-                self.work, switched, tuple(conditions), watchdog_s, pause_s, dict(self.held),
-                waits_for_parts,
-            )  # fmt: skip
+                work=self.work,
+                switch=switched,
+                until=tuple(conditions),
+                watchdog_s=watchdog_s,
+                pause_s=pause_s,
+                held=dict(self.held),
+                waits_for_parts=waits_for_parts,
+            )
         )
         for device, out in moves:
             self.held[device] = f"{device}-{_VALVE[out]}"

@@ -19,7 +19,7 @@ SAFETY = (
     "Doors-LOCKED",
     "Doors-CURTAIN_OK",
 )
-"""Whoever opens a door or reaches through the light curtain stops the machine; nothing is broken."""
+"""Whoever opens a door or reaches in stops the machine; nothing is broken."""
 
 MUST_BE_ON = (
     *(

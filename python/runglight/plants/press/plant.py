@@ -150,7 +150,13 @@ class PressPlant:
         self._on = {symbol.short_name: AT_START.get(symbol.short_name, False) for symbol in OUTPUTS}
         self.jammed: set[str] = set()
         """What does not happen: `Infeed`, `Outfeed`, `Pressure`, `Speed`, `Oil`."""
-        for name in (*MUST_BE_ON, *SAFETY, "Inverter-STANDSTILL", "OilPump-SENSOR_LOW", "Panel-LAMPS_OK"):
+        for name in (
+            *MUST_BE_ON,
+            *SAFETY,
+            "Inverter-STANDSTILL",
+            "OilPump-SENSOR_LOW",
+            "Panel-LAMPS_OK",
+        ):
             self.set(name, True)
         self.set("Coolant-FLOW_OK", True)
         self.cylinders = {
