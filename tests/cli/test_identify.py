@@ -41,7 +41,7 @@ def test_csv_and_json(runglight: Command, line: Path) -> None:
     rows = list(csv.DictReader(io.StringIO(runglight(*arguments, "--format", "csv").stdout)))
     assert [row["address"] for row in rows] == ["%M25", "%MW74.0", "%MW74"]
     assert rows[0]["score_in"] == "0.0000"
-    ended = runglight(*arguments, "--format", "json", "-o", "found.json")
+    ended = runglight(*arguments, "-o", "found.json")
     assert ended.returncode == 0, ended.stderr
     told = json.loads((line / "found.json").read_text(encoding="utf-8"))
     assert [each["address"] for each in told["candidates"]] == ["%M25", "%MW74.0", "%MW74"]
@@ -106,17 +106,16 @@ def test_a_recording_of_words_is_learned_bit_by_bit(runglight: Command, tmp_path
 def test_proposed_events_are_identified_without_a_human(runglight: Command, tmp_path: Path) -> None:
     image = pytest.importorskip("PIL.Image")
     pytest.importorskip("skimage")
-    from runglight.recording.photos import keep_photo  # noqa: PLC0415
+    from runglight.recording.photos import name_of  # noqa: PLC0415
 
     directory = recorded(tmp_path / "line1", [TapSignal("%M25", "%M25")], EVENTS)
+    (directory / "photos").mkdir()
     for second in range(-19, 175):
         time_ns = EVENTS[0] + second * 1_000_000_000
         lamp = image.new("RGB", (64, 48), (90, 90, 90))
         if sum(event <= time_ns for event in EVENTS) % 2:
             lamp.paste((40, 220, 60), (20, 10, 36, 26))
-        content = io.BytesIO()
-        lamp.save(content, "PNG")
-        keep_photo(directory, time_ns, content.getvalue(), ".png")
+        lamp.save(directory / "photos" / name_of(time_ns, ".png"))
     proposed = runglight("identify", "line1", "--propose", "16,8,24,20")
     assert proposed.returncode == 0, proposed.stderr
     assert "events.csv: 6 events (3 away, 3 back)" in proposed.stdout

@@ -74,3 +74,30 @@ def test_written_events_are_read_back(tmp_path: Path) -> None:
     again = read_events(tmp_path / "events.csv")
     assert again.time_ns.tolist() == written.time_ns.tolist()
     assert again.labels == written.labels
+
+
+def test_any_bytes_end_in_events_or_a_sentence(tmp_path: Path) -> None:
+    random = np.random.default_rng(3)
+    pieces = [
+        b"time",
+        b"label",
+        b",",
+        b";",
+        b"\n",
+        b'"',
+        b"2024-01-02T00:00:10Z",
+        b"\xff\x00",
+        b"7",
+    ]
+    path = tmp_path / "events.csv"
+    lists, sentences = 0, []
+    for _ in range(300):
+        path.write_bytes(b"".join(random.choice(pieces, random.integers(1, 12)).tolist()))
+        try:
+            read_events(path)
+            lists += 1
+        except InputError as error:
+            sentences.append(str(error))
+    assert lists > 5
+    assert len(sentences) > 5
+    assert not any("\n" in sentence for sentence in sentences)

@@ -92,7 +92,7 @@ def identify(
     source: Path
         Recording or log to search (default: `[record] to` of the configuration).
     format: str
-        `table` for people (default), `csv` for spreadsheets, `json` for programs.
+        Default: by the ending of the output file, else `table`.
     output: Path
         File to write instead of standard output. With `--propose`: the events
         (default: `events.csv` of the recording).
@@ -101,7 +101,7 @@ def identify(
     declared, result = declared or EventOptions(), result or ResultOptions()
     options = options or ReaderOptions()
     configuration = options.configuration()
-    settings = _laid_over(configuration.identify, declared, result, format)
+    settings = _laid_over(configuration.identify, declared, result, format or _by_ending(output))
     place = _place(source, options, configuration)
     if declared.propose is not None:
         if place is None or not is_recording(place):
@@ -179,6 +179,10 @@ def _laid_over(
         raise InputError(f"--rows: {result.rows} must be at least 1")
     changes = {key: value for key, value in said.items() if value is not None}
     return msgspec.structs.replace(file, **changes)
+
+
+def _by_ending(output: Path | None) -> str | None:
+    return None if output is None else {".csv": "csv", ".json": "json"}.get(output.suffix.lower())
 
 
 def _place(

@@ -15,6 +15,8 @@ pub struct Word {
     pub mask: u64,
     /// Number of its lowest such bit among the bits of all words.
     pub first: u32,
+    /// Number of its rows.
+    pub rows: u32,
 }
 
 impl Word {
@@ -51,6 +53,7 @@ struct Extent {
     lowest: i64,
     highest: i64,
     flipped: u64,
+    rows: u32,
 }
 
 impl Candidates {
@@ -88,19 +91,24 @@ impl Candidates {
                 }
             }
             found.place.push(found.words.len() as u32);
-            found.words.push(Word { mask, first: found.bits.len() as u32 });
+            found.words.push(Word { mask, first: found.bits.len() as u32, rows: extent.rows });
             found.bits.extend(bits(mask).map(|bit| Candidate { signal, bit: Some(bit) }));
         }
         found
     }
 
-    /// The word a signal is.
+    /// The place among the words of a signal that is one.
     #[inline]
-    pub fn word(&self, signal: SignalIndex) -> Option<Word> {
+    pub fn word(&self, signal: SignalIndex) -> Option<usize> {
         match self.place[signal as usize] {
             NO_WORD => None,
-            place => Some(self.words[place as usize]),
+            place => Some(place as usize),
         }
+    }
+
+    /// The words, in the order of the log's signals.
+    pub fn words(&self) -> &[Word] {
+        &self.words
     }
 
     /// The bits of all words.
@@ -120,7 +128,7 @@ impl Candidates {
 
 /// One pass over the rows: which values each signal takes. A signal without rows has no bits.
 fn extents(log: &ChangeLog) -> Vec<Extent> {
-    let none = Extent { first: 0, lowest: i64::MAX, highest: i64::MIN, flipped: 0 };
+    let none = Extent { first: 0, lowest: i64::MAX, highest: i64::MIN, flipped: 0, rows: 0 };
     let mut extents = vec![none; log.signals.len()];
     for (&signal, &value) in log.signal.iter().zip(&log.value) {
         let extent = &mut extents[signal as usize];
@@ -129,6 +137,7 @@ fn extents(log: &ChangeLog) -> Vec<Extent> {
         }
         extent.lowest = extent.lowest.min(value);
         extent.highest = extent.highest.max(value);
+        extent.rows += 1;
         extent.flipped |= (extent.first ^ value) as u64;
     }
     extents

@@ -4,7 +4,7 @@
 //! is turned into scores when it changes in another one. Segments without a change need no visit:
 //! such a window adds 1 to the sum of its scores, such an area nothing.
 
-use crate::identify::candidates::{Candidates, bits};
+use crate::identify::candidates::{Candidates, Word, bits};
 use crate::identify::timeline::{BLIND, Segment, Timeline};
 use crate::identify::view::View;
 use crate::log::{ChangeLog, Nanoseconds};
@@ -70,6 +70,50 @@ struct State {
     seen: bool,
 }
 
+/// A change of a word.
+#[derive(Debug, Clone, Copy, Default)]
+struct Flip {
+    time: Nanoseconds,
+    /// The bits whose change counts.
+    bits: u64,
+    segment: u32,
+}
+
+/// The changes of all words, those of one side by side: the tallies of its bits then stay in the
+/// cache, where bits taken row by row would lie all over the memory.
+struct Flips {
+    flips: Vec<Flip>,
+    /// For each word where its changes begin, and where the next goes.
+    places: Vec<(usize, usize)>,
+}
+
+impl Flips {
+    /// Room for all that may come.
+    fn of(words: &[Word]) -> Self {
+        let mut room = 0;
+        let places = words
+            .iter()
+            .map(|word| {
+                let start = room;
+                room += word.rows as usize;
+                (start, start)
+            })
+            .collect();
+        Self { flips: vec![Flip::default(); room], places }
+    }
+
+    #[inline]
+    fn push(&mut self, word: usize, flip: Flip) {
+        let next = &mut self.places[word].1;
+        self.flips[*next] = flip;
+        *next += 1;
+    }
+
+    fn by_word(&self) -> impl Iterator<Item = &[Flip]> {
+        self.places.iter().map(|&(start, end)| &self.flips[start..end])
+    }
+}
+
 /// Tallies of the signals, and of the bits of words.
 pub struct Tallies {
     /// By signal.
@@ -82,7 +126,7 @@ pub struct Tallies {
 pub fn count(log: &ChangeLog, candidates: &Candidates, timeline: &Timeline, view: View) -> Tallies {
     let segments = timeline.segments.as_slice();
     let mut states = vec![State { tally: Tally::NONE, last: 0, seen: false }; log.signals.len()];
-    let mut bit_tallies = vec![Tally::NONE; candidates.bits().len()];
+    let mut flips = Flips::of(candidates.words());
     let mut walk = timeline.walk();
     for ((&time, &signal), &value) in log.time.iter().zip(&log.signal).zip(&log.value) {
         let segment = walk.segment(time);
@@ -97,8 +141,14 @@ pub fn count(log: &ChangeLog, candidates: &Candidates, timeline: &Timeline, view
             state.tally.change(time, segment, segments);
         }
         if let Some(word) = candidates.word(signal) {
-            for bit in bits(view.bits(last, value) & word.mask) {
-                bit_tallies[word.number_of(bit)].change(time, segment, segments);
+            flips.push(word, Flip { time, bits: view.bits(last, value), segment });
+        }
+    }
+    let mut bit_tallies = vec![Tally::NONE; candidates.bits().len()];
+    for (word, flips) in candidates.words().iter().zip(flips.by_word()) {
+        for flip in flips {
+            for bit in bits(flip.bits & word.mask) {
+                bit_tallies[word.number_of(bit)].change(flip.time, flip.segment, segments);
             }
         }
     }
