@@ -85,8 +85,8 @@ pub fn mine(log: &EventLog, parameters: &MiningParameters) -> Result<Mined, Mini
     let loops = short_loops::short_loops(&graph);
     let parallels = concurrency::discover(&mut graph, &loops, parameters.epsilon);
     filter::filter(&mut graph, parameters.eta);
-    let mut model = splits::discover(&graph, &parallels);
-    joins::discover(&mut model);
+    let (mut model, settled) = splits::discover(&graph, &parallels);
+    joins::discover(&mut model, &settled);
     let doubtful = inclusive::replace(&mut model, &parallels);
     let model = repair::repair(model, &doubtful, log);
     let net = to_net::to_net(&model, &log.activities);
@@ -142,6 +142,8 @@ mod tests {
             &["axby", "xaby", "xayb", "axyb"],
             &["abcdef", "abdcef", "aef"],
             &["ab", "cb", "ad", "cd"],
+            &["abc", "bac", "abd", "bad"],
+            &["ab", "ba", "abcab", "bacba", "abdba", "badab"],
         ] {
             mined(traces);
         }
