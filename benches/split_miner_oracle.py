@@ -166,11 +166,11 @@ def ours(seed: int) -> dict[str, Any]:
 
 
 def worse(our: dict[str, Any], their: dict[str, Any]) -> bool:
-    """Ours is not sound where theirs is; or fewer traces fit, or precision is lower, and the gain in
-    the other (by the harmonic mean of fitness and precision) does not pay for it.
+    """Ours is not sound where theirs is, or it fits fewer traces or is less precise without a gain.
 
-    An unsound model can be precise by letting hardly anything happen: it is beaten by a sound one.
-    """  # noqa: D205
+    A gain in the other measure pays by the harmonic mean of fitness and precision. An unsound model
+    can be precise by letting hardly anything happen: it is beaten by a sound one.
+    """
     if bool(our["sound"]) != bool(their["sound"]):
         return not our["sound"]
     fitting, precision = (our[key] - their[key] for key in ("fitting", "precision"))
