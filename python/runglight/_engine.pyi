@@ -283,6 +283,9 @@ class Mined:
 
     @property
     def net(self) -> PetriNet: ...
+    @property
+    def epsilon(self) -> float:
+        """The ε in force: another than asked for where that gave a net that is not sound."""
     def write_bpmn(self, path: str) -> None:
         """Writes BPMN 2.0; the file appears whole or not at all."""
 

@@ -15,9 +15,9 @@ def test_models_are_as_good_as_the_oracles() -> None:
 
 
 def test_a_worse_model_is_seen() -> None:
-    good = {"sound": True, "fitness": 1.0, "precision": 0.8}
+    good = {"sound": True, "fitting": 1.0, "fitness": 1.0, "precision": 0.8}
     assert worse(good | {"sound": False}, good)
-    assert worse(good | {"fitness": 0.9}, good)
+    assert worse(good | {"fitting": 0.9}, good)
     assert worse(good | {"precision": 0.7}, good)
     assert not worse(good | {"precision": 0.9}, good)
     assert not worse(good, good | {"sound": False, "precision": 1.0})

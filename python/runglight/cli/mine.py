@@ -96,6 +96,11 @@ def mine(
     with terminal.working("Mining"):
         mined = mine_log(events, eta=process.eta, epsilon=process.epsilon)
         quality = mined.net.quality(events)
+    if mined.epsilon != process.epsilon:
+        terminal.note(
+            f"with epsilon {process.epsilon:g} the net is not sound; "
+            f"the best sound one has epsilon {mined.epsilon:g}"
+        )
     if output is not None:
         mined.net.write(output)
     if xes is not None:

@@ -25,6 +25,11 @@ class MinedProcess:
         self._engine = engine_mined
         self.net = PetriNet(engine_mined.net)
 
+    @property
+    def epsilon(self) -> float:
+        """The ε in force: another than asked for where that gave a net that is not sound."""
+        return self._engine.epsilon
+
     def write_bpmn(self, path: str | PathLike[str]) -> None:
         """Writes BPMN 2.0; the file appears whole or not at all."""
         self._engine.write_bpmn(os.fspath(path))

@@ -21,7 +21,10 @@ use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
 use super::event_log::EventLog;
+use super::fitness::fitness;
 use super::petri::PetriNet;
+use super::precision::precision;
+use super::soundness::soundness;
 use follows::Follows;
 use model::ProcessModel;
 
@@ -66,9 +69,15 @@ pub struct Mined {
     pub model: ProcessModel,
     /// The same as a Petri net.
     pub net: PetriNet,
+    /// ε it was mined with: the one asked for, unless that gave a net that is not sound.
+    pub epsilon: f64,
 }
 
-/// Mines an event log.
+/// What is tried where the ε asked for gives a net that is not sound. With 0 nothing is concurrent,
+/// and a net without concurrency is always sound.
+const OTHER_EPSILONS: [f64; 7] = [0.9, 0.7, 0.6, 0.4, 0.3, 0.15, 0.0];
+
+/// Mines an event log. Where the net is not sound, the best sound one of another ε is taken.
 ///
 /// # Errors
 /// A log without events, or a parameter that is no share.
@@ -81,16 +90,35 @@ pub fn mine(log: &EventLog, parameters: &MiningParameters) -> Result<Mined, Mini
     if log.is_empty() {
         return Err(MiningError::Empty);
     }
-    let mut graph = Follows::of(log);
+    let counted = Follows::of(log);
+    let asked = with_epsilon(&counted, log, parameters.eta, parameters.epsilon);
+    if soundness(&asked.net).sound != Some(false) {
+        return Ok(asked);
+    }
+    let others = OTHER_EPSILONS.map(|epsilon| with_epsilon(&counted, log, parameters.eta, epsilon));
+    let sound = others.into_iter().filter(|mined| soundness(&mined.net).sound == Some(true));
+    let scored = sound.map(|mined| (score(&mined.net, log), mined));
+    let best = scored.max_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, mined)| mined);
+    Ok(best.unwrap_or(asked))
+}
+
+fn with_epsilon(counted: &Follows, log: &EventLog, eta: f64, epsilon: f64) -> Mined {
+    let mut graph = counted.clone();
     let loops = short_loops::short_loops(&graph);
-    let parallels = concurrency::discover(&mut graph, &loops, parameters.epsilon);
-    filter::filter(&mut graph, parameters.eta);
-    let mut model = splits::discover(&graph, &parallels);
-    joins::discover(&mut model);
+    let parallels = concurrency::discover(&mut graph, &loops, epsilon);
+    filter::filter(&mut graph, eta);
+    let (mut model, settled) = splits::discover(&graph, &parallels);
+    joins::discover(&mut model, &settled);
     let doubtful = inclusive::replace(&mut model, &parallels);
     let model = repair::repair(model, &doubtful, log);
     let net = to_net::to_net(&model, &log.activities);
-    Ok(Mined { model, net })
+    Mined { model, net, epsilon }
+}
+
+/// The harmonic mean of fitness and precision.
+fn score(net: &PetriNet, log: &EventLog) -> f64 {
+    let (fitness, precision) = (fitness(net, log).fitness, precision(net, log));
+    2.0 * fitness * precision / (fitness + precision).max(f64::MIN_POSITIVE)
 }
 
 #[cfg(test)]
@@ -142,6 +170,8 @@ mod tests {
             &["axby", "xaby", "xayb", "axyb"],
             &["abcdef", "abdcef", "aef"],
             &["ab", "cb", "ad", "cd"],
+            &["abc", "bac", "abd", "bad"],
+            &["ab", "ba", "abcab", "bacba", "abdba", "badab"],
         ] {
             mined(traces);
         }

@@ -19,6 +19,8 @@ pub struct PyMined {
     model: ProcessModel,
     activities: Vec<Activity>,
     net: PyPetriNet,
+    #[pyo3(get)]
+    epsilon: f64,
 }
 
 #[pymethods]
@@ -46,5 +48,6 @@ pub fn mine(py: Python<'_>, log: &PyEventLog, parameters_json: &str) -> PyResult
         model: mined.model,
         activities: log.log.activities.clone(),
         net: PyPetriNet::new(mined.net),
+        epsilon: mined.epsilon,
     })
 }

@@ -193,7 +193,7 @@ fn compose(
 }
 
 /// Members that `tied` connects.
-fn parts(members: &[usize], tied: &dyn Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
+pub fn parts(members: &[usize], tied: &dyn Fn(usize, usize) -> bool) -> Vec<Vec<usize>> {
     let mut left: BTreeSet<usize> = members.iter().copied().collect();
     let mut parts = Vec::new();
     while let Some(first) = left.pop_first() {

@@ -4,12 +4,14 @@
 //! they are joined by an inclusive gateway, which step 9 minimises; a loop is entered by an
 //! exclusive one, and what leads back is joined as its exit splits.
 
+use std::collections::BTreeSet;
+
 use super::model::{Kind, ProcessModel};
 use super::structure::{Shape, fragments};
 
-/// Gives every join a gateway.
-pub fn discover(model: &mut ProcessModel) {
-    separate(model);
+/// Gives every join a gateway, but for those that are settled.
+pub fn discover(model: &mut ProcessModel, settled: &BTreeSet<usize>) {
+    separate(model, settled);
     // Where each flow's tokens arrive now: joined flows are told by the first of them.
     let mut current: Vec<usize> = (0..model.flows.len()).collect();
     let (_, out) = model.ways();
@@ -24,6 +26,9 @@ pub fn discover(model: &mut ProcessModel) {
             Shape::Rigid => None,
         };
         for (node, flows) in fragment.arrivals {
+            if settled.contains(&node) {
+                continue;
+            }
             let gateway = model.add(kind.unwrap_or(Kind::Inclusive));
             for &flow in &flows {
                 model.flows[current[flow]].1 = gateway;
@@ -31,17 +36,22 @@ pub fn discover(model: &mut ProcessModel) {
             current[flows[0]] = model.flows.len();
             model.flows.push((gateway, node));
         }
-        if fragment.shape == Shape::Loop && model.kinds[fragment.entry].is_gateway() {
-            model.kinds[fragment.entry] = Kind::Exclusive;
+        let entry = fragment.entry;
+        let open = model.kinds[entry].is_gateway() && !settled.contains(&entry);
+        if fragment.shape == Shape::Loop && open {
+            model.kinds[entry] = Kind::Exclusive;
         }
     }
     model.simplify();
 }
 
 /// Every node that several flows enter gets a join of its own before it (step 7).
-fn separate(model: &mut ProcessModel) {
+fn separate(model: &mut ProcessModel, settled: &BTreeSet<usize>) {
     let (into, _) = model.ways();
-    for (node, flows) in into.iter().enumerate().filter(|(_, flows)| flows.len() > 1) {
+    for (node, flows) in into.iter().enumerate() {
+        if flows.len() < 2 || settled.contains(&node) {
+            continue;
+        }
         let join = model.add(Kind::Inclusive);
         for &flow in flows {
             model.flows[flow].1 = join;
@@ -52,6 +62,8 @@ fn separate(model: &mut ProcessModel) {
 
 #[cfg(test)]
 mod tests {
+    use std::collections::BTreeSet;
+
     use super::discover;
     use crate::process::split_miner::model::{END, Kind, ProcessModel, START};
 
@@ -60,7 +72,7 @@ mod tests {
         kinds.extend(gateways);
         kinds.extend((0..tasks).map(Kind::Task));
         let mut model = ProcessModel { kinds, flows: flows.to_vec() };
-        discover(&mut model);
+        discover(&mut model, &BTreeSet::new());
         model
     }
 

@@ -4,12 +4,17 @@
 //! future). Items with equal futures exclude one another; items whose past and future together are
 //! equal run side by side. The rest of the choice is forced: the two items that differ least.
 //!
+//! Concurrent activities that lead to the same several successors have no choice of their own: each
+//! would have to make the same one. They are joined first, and the choice is made once. (The
+//! published algorithm joins only behind the choices, which a rigid then cannot undo.)
+//!
 //! A node that joins and splits is separated: what joins stands before it, what splits behind.
 
-use std::collections::BTreeSet;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::concurrency::Parallels;
 use super::follows::{Follows, Node};
+use super::inclusive::parts;
 use super::model::{Kind, ProcessModel};
 use crate::process::event_log::ActivityIndex;
 
@@ -27,9 +32,9 @@ impl Item {
     }
 }
 
-/// A model whose splits are gateways and whose joins are still nodes that several flows enter. The
-/// node of activity `a` is `a + 2`.
-pub fn discover(graph: &Follows, parallels: &Parallels) -> ProcessModel {
+/// A model whose splits are gateways, with the joins that are settled already; other joins are still
+/// nodes that several flows enter. The node of activity `a` is `a + 2`.
+pub fn discover(graph: &Follows, parallels: &Parallels) -> (ProcessModel, BTreeSet<usize>) {
     let mut model = ProcessModel { kinds: vec![Kind::Start, Kind::End], flows: Vec::new() };
     for activity in 0..graph.activities {
         model.add(Kind::Task(activity as ActivityIndex));
@@ -40,16 +45,10 @@ pub fn discover(graph: &Follows, parallels: &Parallels) -> ProcessModel {
         activity => activity + 2,
     };
     let mut repeats = graph.repeats.clone();
+    let mut settled = BTreeSet::new();
+    let mut done = BTreeSet::new();
+    let mut sources = vec![0; graph.next.len()];
     for node in 0..graph.next.len() {
-        let successors: BTreeSet<Node> = graph.next[node].keys().copied().collect();
-        let mut items: Vec<Item> = successors
-            .iter()
-            .map(|&successor| Item {
-                target: place(successor),
-                past: BTreeSet::from([successor]),
-                future: &parallels[successor] & &successors,
-            })
-            .collect();
         let mut source = place(node);
         if let Some(true) = repeats.get_mut(node).map(|repeat| std::mem::replace(repeat, false)) {
             // The way back begins at a gateway of its own and ends at the task itself, which its
@@ -58,15 +57,88 @@ pub fn discover(graph: &Follows, parallels: &Parallels) -> ProcessModel {
             model.flows.extend([(source, split), (split, source)]);
             source = split;
         }
-        while items.len() > 1 {
-            exclusive(&mut items, &mut model);
-            if items.len() > 1 && !parallel(&mut items, &mut model) {
-                forced(&mut items, &mut model);
-            }
-        }
-        model.flows.extend(items.first().map(|only| (source, only.target)));
+        sources[node] = source;
     }
-    model
+    for part in shared_choices(graph, parallels) {
+        let beside = |a: Node, b: Node| parallels[a].contains(&b);
+        let joined = compose(&mut model, &part, Kind::Parallel, &beside, &sources, &mut settled);
+        split_into(joined, items_of(graph, parallels, part[0], &place), &mut model);
+        done.extend(part);
+    }
+    for node in (0..graph.next.len()).filter(|node| !done.contains(node)) {
+        let items = items_of(graph, parallels, node, &place);
+        split_into(sources[node], items, &mut model);
+    }
+    (model, settled)
+}
+
+fn items_of(
+    graph: &Follows,
+    parallels: &Parallels,
+    node: Node,
+    place: &dyn Fn(Node) -> usize,
+) -> Vec<Item> {
+    let successors: BTreeSet<Node> = graph.next[node].keys().copied().collect();
+    let item = |&successor: &Node| Item {
+        target: place(successor),
+        past: BTreeSet::from([successor]),
+        future: &parallels[successor] & &successors,
+    };
+    successors.iter().map(item).collect()
+}
+
+fn split_into(source: usize, mut items: Vec<Item>, model: &mut ProcessModel) {
+    while items.len() > 1 {
+        exclusive(&mut items, model);
+        if items.len() > 1 && !parallel(&mut items, model) {
+            forced(&mut items, model);
+        }
+    }
+    model.flows.extend(items.first().map(|only| (source, only.target)));
+}
+
+/// Activities that lead to the same several successors and run side by side, as wholes.
+fn shared_choices(graph: &Follows, parallels: &Parallels) -> Vec<Vec<Node>> {
+    let mut alike: BTreeMap<Vec<Node>, Vec<Node>> = BTreeMap::new();
+    for node in 0..graph.activities {
+        let successors: Vec<Node> = graph.next[node].keys().copied().collect();
+        if successors.len() > 1 {
+            alike.entry(successors).or_default().push(node);
+        }
+    }
+    let beside = |a: Node, b: Node| parallels[a].contains(&b);
+    let parts = alike.into_values().flat_map(|members| parts(&members, &beside));
+    parts.filter(|part| part.len() > 1 && is_composed(part, true, &beside)).collect()
+}
+
+/// True where members fall apart into wholly concurrent and wholly exclusive parts, all the way.
+fn is_composed(members: &[Node], concurrent: bool, beside: &dyn Fn(Node, Node) -> bool) -> bool {
+    let smaller = parts(members, &|a, b| beside(a, b) != concurrent);
+    members.len() == 1
+        || (smaller.len() > 1 && smaller.iter().all(|part| is_composed(part, !concurrent, beside)))
+}
+
+/// Joins members as they were seen to run; gives the node that all of them have led to.
+fn compose(
+    model: &mut ProcessModel,
+    members: &[Node],
+    kind: Kind,
+    beside: &dyn Fn(Node, Node) -> bool,
+    sources: &[usize],
+    settled: &mut BTreeSet<usize>,
+) -> usize {
+    if let [only] = members {
+        return sources[*only];
+    }
+    let concurrent = kind == Kind::Parallel;
+    let other = if concurrent { Kind::Exclusive } else { Kind::Parallel };
+    let gateway = model.add(kind);
+    settled.insert(gateway);
+    for part in parts(members, &|a, b| beside(a, b) != concurrent) {
+        let joined = compose(model, &part, other, beside, sources, settled);
+        model.flows.push((joined, gateway));
+    }
+    gateway
 }
 
 /// Merges all items of equal futures.
@@ -148,7 +220,7 @@ mod tests {
         let traces = traces.iter().map(|trace| trace.split("").filter(|name| !name.is_empty()));
         let mut graph = Follows::of(&EventLog::from_traces(traces));
         let parallels = concurrency::discover(&mut graph, &BTreeSet::new(), 0.5);
-        discover(&graph, &parallels)
+        discover(&graph, &parallels).0
     }
 
     fn gateways(model: &ProcessModel) -> Vec<Kind> {
@@ -179,6 +251,15 @@ mod tests {
         assert_eq!(gateways(&model), [Kind::Exclusive, Kind::Parallel]);
         let outer = model.kinds.iter().position(|&kind| kind == Kind::Parallel);
         assert_eq!(outer.map(|node| targets(&model, node).len()), Some(2));
+    }
+
+    #[test]
+    fn concurrent_activities_choose_together() {
+        let model = split(&["abc", "bac", "abd", "bad"]);
+        let mut kinds = gateways(&model);
+        kinds.sort_by_key(|&kind| kind == Kind::Exclusive);
+        // A split and a join of a and b, and one choice of what follows.
+        assert_eq!(kinds, [Kind::Parallel, Kind::Parallel, Kind::Exclusive]);
     }
 
     #[test]
