@@ -13,6 +13,7 @@ from dataclasses import dataclass
 from benches.tank_loop import RESET, Outcome, activities_of, at_the_tank, whole_traces
 from runglight import _engine
 from runglight.control.guards import LearnedGuards, learn_guards, said
+from runglight.log.changelog import Log
 from runglight.plants.tank import SCENARIOS, Scenario, simulate_tank
 from runglight.plants.tank.mutations import Mutation, chosen, mutations
 
@@ -53,14 +54,18 @@ class Learned:
         return _engine.Shadow(self.net, self.guards.text)
 
 
-def learned(name: str, seed: int) -> Learned:
-    """Records a scenario through the tap, mines it, and learns its guards."""
+def learned(name: str, seed: int, *, tapped: bool) -> Learned:
+    """Records a scenario (through the tap, or as simulated), mines it, and learns its guards."""
     scenario = SCENARIOS[name]
-    recorded = at_the_tank(scenario.program, scenario.flows, RECORDED_S, seed=seed, tap=True)
-    assert recorded.log is not None
-    runs = _engine.event_log(recorded.log.engine, RESET)
+    if tapped:
+        log = at_the_tank(scenario.program, scenario.flows, RECORDED_S, seed=seed, tap=True).log
+        assert log is not None
+    else:
+        run = simulate_tank(name, seed)
+        log = Log.from_columns(run.time_ns, run.signal_index, run.value, run.signals)
+    runs = _engine.event_log(log.engine, RESET)
     net = _engine.mine(runs).net
-    guards = learn_guards(net, [recorded.log])
+    guards = learn_guards(net, [log])
     return Learned(name, scenario, runs, runs.traces, net, guards)
 
 
@@ -163,11 +168,12 @@ def main() -> None:
     parser.add_argument("--hours", type=float, default=10.0)
     parser.add_argument("--scenarios", nargs="*", default=list(SCENARIOS))
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--simulated", action="store_true", help="learn without tap and Modbus")
     parser.add_argument("--only", nargs="*", default=PARTS)
     asked = parser.parse_args()
     shapes = {}
     for name in asked.scenarios:
-        one = learned(name, asked.seed)
+        one = learned(name, asked.seed, tapped=not asked.simulated)
         shapes[name] = json.dumps(shape(one.net))
         labels = {row[0]: row[1] or row[0] for row in one.net.transitions()}
         print(

@@ -31,6 +31,8 @@ ADDRESS = {symbol.name: symbol.address for symbol in SYMBOLS}
 RESET = "%IX0.1=0"
 
 
+PATIENT = "timeout=120s"
+"""A busy computer is no lost connection: virtual time waits for whoever is slow."""
 AWAKE_NS = 600_000_000
 """Every scan is run for so long after anything has changed."""
 
@@ -130,7 +132,7 @@ class _Work:
     def __init__(self, plant: RunningTank, *, sparse: bool) -> None:
         self.plant = plant
         self._sparse = sparse
-        self._clock = VirtualClock(START_NS)
+        self._clock = VirtualClock(START_NS, patience_s=120.0)
         self._outcome = Outcome()
         self._changed_ns = START_NS
         plant.on_change(self._hear)
@@ -146,7 +148,7 @@ class _Work:
         outcome = self._outcome
         until_ns = START_NS + round(seconds * SECOND_NS)
         async with serve(self.plant, "modbus://127.0.0.1:0", self._clock, keep_changes=True) as plc:
-            url = str(plc.url)
+            url = f"{plc.url}?{PATIENT}"
             loops = [self._controlling(by, url)]
             if shadow is not None:
                 loops.append(self._loop(shadow.terminals, url, Beside(shadow, self._tell)))
@@ -184,7 +186,9 @@ async def _recorded(url: str, clock: VirtualClock, until_ns: int) -> Log:
     times: list[Any] = []
     signals: list[Any] = []
     values: list[Any] = []
-    async with open_tap(url.replace("interval=10ms", "interval=100ms"), clock=clock) as tap:
+    async with open_tap(
+        url.replace("interval=10ms", f"interval=100ms&{PATIENT}"), clock=clock
+    ) as tap:
         async for batch in tap:
             times.append(batch.time_ns)
             signals.append(batch.signal_index)

@@ -1,6 +1,6 @@
 //! The learned controller at work: rules 1 to 3, the safe state, its shadow, and its guards.
 
-#![allow(clippy::unwrap_used, reason = "tests")]
+#![allow(clippy::unwrap_used, clippy::panic, reason = "a test that cannot go on says why")]
 
 mod tank;
 
