@@ -86,6 +86,7 @@ def test_the_overview(runglight: Command) -> None:
             "learn",
             "show",
             "watch",
+            "serve",
             "confirm",
             "import",
             "export",
