@@ -72,9 +72,9 @@ def test_a_live_source_is_no_log(refused: Refused, url: str) -> None:
 def test_the_commands_of_later_versions_are_not_listed(runglight: Command) -> None:
     helped = runglight("--help")
     assert helped.returncode == 0
-    for command in ("demo", "init", "check", "record", "learn", "show", "watch", "confirm"):
+    for command in ("demo", "init", "check", "record", "learn", "show", "watch", "serve"):
         assert f" {command} " in helped.stdout
-    for later in ("mine", "identify", "serve", "control", "predict"):
+    for later in ("mine", "identify", "control", "predict"):
         assert f" {later} " not in helped.stdout
 
 
