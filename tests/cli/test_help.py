@@ -91,6 +91,7 @@ def test_the_overview(runglight: Command) -> None:
             "learn",
             "show",
             "watch",
+            "serve",
             "confirm",
             "identify",
             "mine",
