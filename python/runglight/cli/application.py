@@ -35,14 +35,14 @@ COMMANDS = {
     "learn": ("learn:learn", "Learn what nominal looks like from fault-free logs."),
     "show": ("show:show", "Show what a model knows: devices, rules, drawings."),
     "watch": ("watch:watch", "Say what departs from the nominal model."),
-    "serve": ("serve:serve", "Show the machine in a browser."),
     "confirm": ("confirm:confirm", "Accept a finding's path: from now on it is nominal."),
+    "serve": ("serve:serve", "Show the machine in a browser."),
     "identify": ("identify:identify", "Find the address that declared events mean."),
     "mine": ("mine:mine", "Mine the net that the runs of a machine follow."),
     "predict": ("predict:application", "Foretell what comes next in a run: train, evaluate."),
+    "control": ("control:application", "Run the learned controller, or beside the real one."),
     "import": ("import_log:import_log", "Turn any log into a change log."),
     "export": ("export:export", "Write a log for another tool: CSV, Parquet, XES, VCD."),
-    "control": ("control:application", "Run the learned controller, or beside the real one."),
     "simulate": ("simulate:application", "Write the log of a simulated plant, sound or broken."),
 }
 
