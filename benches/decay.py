@@ -45,9 +45,8 @@ def main() -> None:
     started = time.process_time()
     rl.train_next(tiny, net, rl.TrainingSettings(epochs=1))
     seconds = time.process_time() - started
-    print(
-        f"training: {len(tiny) / seconds:,.0f} samples/s, {seconds / (len(tiny) / 64) * 1e3:.2f} ms a step of 64"
-    )
+    step_ms = seconds / (len(tiny) / 64) * 1e3
+    print(f"training: {len(tiny) / seconds:,.0f} samples/s, {step_ms:.2f} ms a step of 64")
     if rate < AT_LEAST_PER_S:
         raise SystemExit(f"fewer than {AT_LEAST_PER_S:,} decay samples a second")
 
