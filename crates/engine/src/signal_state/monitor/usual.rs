@@ -79,11 +79,8 @@ impl Monitor {
         let (Some(one), Some(other)) = (self.usual_step(row), self.usual_step(next)) else {
             return false;
         };
-        let apart = one.device != other.device
-            && !(one.starting && other.starting)
-            && !one.waits
-            && !other.waits;
-        if !apart {
+        let together = one.device == other.device || one.starting && other.starting;
+        if together || one.waits || other.waits {
             return false;
         }
         // Their group remembers the last.
