@@ -46,7 +46,7 @@ fn no_change_is_lost_at_any_scale() {
     let mut rows = vec![(0, 0, 0)];
     for n in 1..5000_i64 {
         state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-        time += 1 + i64::try_from(state >> 54).unwrap() * if n % 50 == 0 { 1000 } else { 1 };
+        time += 1 + (state >> 54) as i64 * if n % 50 == 0 { 1000 } else { 1 };
         rows.push((time, 0, n % 2));
     }
     let diagram = diagram(&rows);
