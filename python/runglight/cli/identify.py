@@ -13,7 +13,13 @@ from runglight.cli import terminal
 from runglight.cli.exit_codes import DONE
 from runglight.cli.identify_accept import accept_address
 from runglight.cli.identify_propose import propose_to
-from runglight.cli.identify_table import as_csv, as_json, print_found, print_sweep
+from runglight.cli.identify_table import (
+    as_csv,
+    as_json,
+    print_agreement,
+    print_found,
+    print_sweep,
+)
 from runglight.cli.output import output as output_to
 from runglight.cli.reader_options import ReaderOptions, read
 from runglight.configuration import Configuration
@@ -156,6 +162,8 @@ def _tell(  # noqa: PLR0917
             if sweep is not None:
                 print_sweep(console, sweep)
             print_found(console, found, events, settings.rows)
+            if settings.order == "scores":
+                print_agreement(console, found, found.agreed(events, subject.log.scan_interval_s))
 
 
 def _laid_over(

@@ -69,6 +69,24 @@ def print_found(console: Console, found: Identification, events: Events, rows: i
     console.print(Text(_verdict(found)), soft_wrap=True)
 
 
+def print_agreement(console: Console, found: Identification, agreed: Identification) -> None:
+    """Says so where changes matched with events one by one put another address first."""
+    first, other = found.first(), agreed.first()
+    if (
+        not first
+        or not other
+        or {each.address for each in first} & {each.address for each in other}
+    ):
+        return
+    console.print(
+        Text(
+            f"matched with the events one by one, {other[0].address} agrees best "
+            f"({_agreement(other[0])} of 1): --order agreement lists them so"
+        ),
+        soft_wrap=True,
+    )
+
+
 def print_sweep(console: Console, sweep: Sweep) -> None:
     """What each τ gives, and which is suggested."""
     table = Table(box=box.SIMPLE_HEAD, title=Text("Several tau"), title_justify="left")
