@@ -132,6 +132,11 @@ def test_a_failure_beside_a_known_stop_is_a_failure(learned_log: Log, symbols: s
 
 def test_the_model_says_which_stops_it_knows(learned_log: Log, symbols: str) -> None:
     summary = learn_cycle(learned_log, MODES, REGIONS, symbols=symbols).summary()
-    known = {(s["address"], s["showed"], s["value"]) for s in summary["stops"] if s["known"]}
+    known = {
+        (sign["address"], sign["showed"], sign["value"])
+        for stop in summary["stops"]
+        if stop["known"]
+        for sign in stop["signs"]
+    }
     assert known == {("I1.5", "came", 0), ("I7.4", "came", 1), ("I1.0", "came", 0)}
     assert {s["count"] for s in summary["stops"] if not s["known"]} == {1}

@@ -11,6 +11,7 @@ use runglight_engine::cycle::learn::{CycleError, learn};
 use runglight_engine::cycle::localise;
 use runglight_engine::cycle::model::CycleModel;
 use runglight_engine::cycle::parameters::{CycleParameters, ModeSpec, RegionSpecs};
+use runglight_engine::cycle::stops::Sign;
 use runglight_engine::joint::learn::CycleSpec;
 use runglight_engine::log::{ChangeLog, SECOND};
 use runglight_engine::naming::NamingRule;
@@ -112,13 +113,18 @@ impl PyCycleModel {
         let stops: Vec<Value> = model
             .stops
             .iter()
-            .map(|(sign, count)| {
-                let bit = &model.bits[sign.bit as usize];
+            .map(|(signs, count)| {
+                let sign = |sign: &Sign| {
+                    let bit = &model.bits[sign.bit as usize];
+                    json!({
+                        "signal": bit.name,
+                        "address": bit.address,
+                        "showed": sign.showed,
+                        "value": u8::from(sign.value),
+                    })
+                };
                 json!({
-                    "signal": bit.name,
-                    "address": bit.address,
-                    "showed": sign.showed,
-                    "value": u8::from(sign.value),
+                    "signs": signs.iter().map(sign).collect::<Vec<_>>(),
                     "count": count,
                     "known": known_from > 0 && count >= known_from,
                 })

@@ -97,10 +97,13 @@ def bits_text(bits: list[str | None]) -> str:
 
 
 def _stop(stop: dict[str, Any]) -> str:
-    name = stop["address"] or stop["signal"]
-    value = "ON" if stop["value"] else "OFF"
-    what = "" if stop["showed"] == "came" else "waits for "
-    return f"{what}{name} {value} ({counted(stop['count'], 'time')})"
+    return f"{' and '.join(map(_sign, stop['signs']))} ({counted(stop['count'], 'time')})"
+
+
+def _sign(sign: dict[str, Any]) -> str:
+    name = sign["address"] or sign["signal"]
+    value = "ON" if sign["value"] else "OFF"
+    return f"{'' if sign['showed'] == 'came' else 'waits for '}{name} {value}"
 
 
 def _state(state: dict[str, Any]) -> str:

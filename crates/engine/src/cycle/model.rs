@@ -75,8 +75,7 @@ struct Written {
 
 #[derive(Serialize, Deserialize)]
 struct WrittenStop {
-    #[serde(flatten)]
-    sign: Sign,
+    signs: Vec<Sign>,
     count: u64,
 }
 
@@ -198,7 +197,11 @@ impl CycleModel {
                     setup: machine(region, &machines[1]),
                 })
                 .collect(),
-            stops: self.stops.iter().map(|(sign, count)| WrittenStop { sign, count }).collect(),
+            stops: self
+                .stops
+                .iter()
+                .map(|(signs, count)| WrittenStop { signs: signs.to_vec(), count })
+                .collect(),
         };
         serde_json::to_string(&written).unwrap_or_default()
     }
@@ -245,10 +248,10 @@ impl CycleModel {
         let longest = [written.sequences[0].longest_ns, written.sequences[1].longest_ns];
         let mut stops = Stops::default();
         for stop in written.stops {
-            if !known(stop.sign.bit as usize) {
+            if !stop.signs.iter().all(|sign| known(sign.bit as usize)) {
                 return Err(damaged("a stop names a bit that is not there"));
             }
-            stops.add(stop.sign, stop.count);
+            stops.add(stop.signs, stop.count);
         }
         let model = Self::assemble(
             written.bits,

@@ -31,36 +31,36 @@ pub struct Sign {
     pub value: bool,
 }
 
-/// Signs of all stops of the learned logs, and how often each was seen.
+/// Stops of the learned logs by all that their causes showed, and how often each was seen. One clamp
+/// that is awaited is another stop than all four.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Stops(BTreeMap<Sign, u64>);
+pub struct Stops(BTreeMap<Vec<Sign>, u64>);
 
 impl Stops {
-    /// A stop whose cause showed so.
+    /// A stop whose cause showed so; one that showed nothing is none.
     pub fn count(&mut self, signs: &[Sign]) {
-        for sign in signs {
-            *self.0.entry(*sign).or_default() += 1;
+        self.add(signs.to_vec(), 1);
+    }
+
+    /// Adds stops that showed alike.
+    pub fn add(&mut self, mut signs: Vec<Sign>, count: u64) {
+        if !signs.is_empty() {
+            signs.sort_unstable();
+            *self.0.entry(signs).or_default() += count;
         }
     }
 
-    /// Adds a sign with its count.
-    pub fn add(&mut self, sign: Sign, count: u64) {
-        *self.0.entry(sign).or_default() += count;
+    /// All stops with their counts, in order.
+    pub fn iter(&self) -> impl Iterator<Item = (&[Sign], u64)> {
+        self.0.iter().map(|(signs, count)| (signs.as_slice(), *count))
     }
 
-    /// All signs with their counts, in order.
-    pub fn iter(&self) -> impl Iterator<Item = (Sign, u64)> + '_ {
-        self.0.iter().map(|(sign, count)| (*sign, *count))
-    }
-
-    /// How often a stop showed so: the rarest of its signs. `None` where one was not seen
-    /// `known_from` times.
+    /// How often a stop showed so; `None` where that is less than `known_from` times.
     pub fn known(&self, signs: &[Sign], known_from: u64) -> Option<u64> {
-        if known_from == 0 {
-            return None;
-        }
-        let seen = signs.iter().map(|sign| self.0.get(sign).copied().unwrap_or(0)).min()?;
-        (seen >= known_from).then_some(seen)
+        let mut signs = signs.to_vec();
+        signs.sort_unstable();
+        let seen = self.0.get(&signs).copied()?;
+        (known_from > 0 && seen >= known_from).then_some(seen)
     }
 }
 
@@ -70,6 +70,7 @@ mod tests {
 
     const CURTAIN: Sign = Sign { showed: Showed::Came, bit: 13, value: false };
     const CLAMP: Sign = Sign { showed: Showed::Awaited, bit: 98, value: true };
+    const OTHER_CLAMP: Sign = Sign { showed: Showed::Awaited, bit: 99, value: true };
 
     #[test]
     fn what_is_seen_again_and_again_is_known() {
@@ -82,11 +83,13 @@ mod tests {
     }
 
     #[test]
-    fn every_sign_has_to_be_known() {
+    fn it_has_to_show_the_same() {
         let mut stops = Stops::default();
-        stops.add(CURTAIN, 40);
-        stops.count(&[CLAMP]);
+        stops.add(vec![CURTAIN], 40);
+        stops.add(vec![CLAMP, OTHER_CLAMP], 40);
         assert_eq!(stops.known(&[CURTAIN, CLAMP], 3), None);
+        assert_eq!(stops.known(&[CLAMP], 3), None);
+        assert_eq!(stops.known(&[OTHER_CLAMP, CLAMP], 3), Some(40));
         assert_eq!(stops.known(&[Sign { value: true, ..CURTAIN }], 3), None);
         assert_eq!(stops.known(&[Sign { showed: Showed::Awaited, ..CURTAIN }], 3), None);
     }
@@ -94,8 +97,9 @@ mod tests {
     #[test]
     fn nothing_shown_and_nothing_wanted_is_never_known() {
         let mut stops = Stops::default();
-        stops.add(CURTAIN, 40);
-        assert_eq!(stops.known(&[], 3), None);
+        stops.add(vec![CURTAIN], 40);
+        stops.count(&[]);
+        assert_eq!(stops.known(&[], 1), None);
         assert_eq!(stops.known(&[CURTAIN], 0), None);
     }
 }
