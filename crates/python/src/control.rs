@@ -72,7 +72,7 @@ impl PyController {
     fn scan(&self, now_ns: i64, values: Vec<Option<i64>>) -> PyResult<(Writes, PyFindings)> {
         fits(&self.program, &values)?;
         let scan = lock(&self.controller).scan(now_ns, &values);
-        Ok((scan.writes, PyFindings { findings: scan.findings }))
+        Ok((scan.writes, PyFindings::from(scan.findings)))
     }
 }
 
@@ -116,7 +116,7 @@ impl PyShadow {
 
     fn scan(&self, now_ns: i64, values: Vec<Option<i64>>) -> PyResult<PyFindings> {
         fits(&self.program, &values)?;
-        Ok(PyFindings { findings: lock(&self.shadow).scan(now_ns, &values) })
+        Ok(PyFindings::from(lock(&self.shadow).scan(now_ns, &values)))
     }
 
     fn gap(&self) {

@@ -6,7 +6,6 @@ use std::sync::Arc;
 use numpy::{IntoPyArray, PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
-use runglight_engine::finding::time_text;
 use runglight_engine::process::baseline::Markov;
 use runglight_engine::process::decay::{Decay, DecayState, Samples};
 use runglight_engine::process::lesson;

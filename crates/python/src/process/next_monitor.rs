@@ -83,20 +83,20 @@ impl PyNextMonitor {
                 py.detach(|| self.watch(&log))
             }
         };
-        Ok(PyFindings { findings: findings.map_err(errors::input)? })
+        Ok(PyFindings::from(findings.map_err(errors::input)?))
     }
 
     fn gap(&mut self, start_ns: i64, end_ns: i64) -> PyFindings {
         let _ = start_ns;
-        PyFindings { findings: self.monitor.gap(end_ns) }
+        PyFindings::from(self.monitor.gap(end_ns))
     }
 
     fn advance(&mut self, now_ns: i64) -> PyFindings {
-        PyFindings { findings: self.monitor.advance(now_ns) }
+        PyFindings::from(self.monitor.advance(now_ns))
     }
 
     fn finish(&mut self) -> PyFindings {
-        PyFindings { findings: self.monitor.finish() }
+        PyFindings::from(self.monitor.finish())
     }
 
     fn state(&self) -> Vec<u8> {
