@@ -31,10 +31,14 @@ NOTE = "<!-- Written by docs/generate.py; change the code, then run `make docs`.
 
 
 def docstrings(room: object) -> dict[str, str]:
-    """The sentence below each assignment of a class or module."""
+    """The sentence below each assignment of a class, what it inherits too, or of a module."""
+    inherited: dict[str, str] = {}
+    for base in room.__bases__ if isinstance(room, type) else ():
+        if base.__module__.startswith("runglight"):
+            inherited |= docstrings(base)
     tree = ast.parse(inspect.getsource(room))  # type: ignore[arg-type]
     body = tree.body[0].body if isinstance(tree.body[0], ast.ClassDef) else tree.body
-    said: dict[str, str] = {}
+    said = inherited
     for statement, after in pairwise(body):
         if (
             isinstance(statement, ast.AnnAssign | ast.Assign)
