@@ -12,8 +12,9 @@ from typing import Any
 
 from runglight.log.changelog import Log, read_log
 from runglight.plants.agenda import NS_PER_S
-from runglight.plants.press import FAULTS, RunningPress
-from runglight.plants.press.simulate import SLICE_NS, START_NS, PressLog
+from runglight.plants.image_log import ImageLog
+from runglight.plants.press import FAULTS, SYMBOLS, RunningPress
+from runglight.plants.press.simulate import SLICE_NS, START_NS
 from runglight.plants.press.symbols import ACTUATOR_NAMES
 
 DAY_S = 86_400.0
@@ -171,12 +172,12 @@ def operation(name: str, *, seed: int, **what: Any) -> Days:
     if not (path.is_file() and truth.is_file()):
         press = RunningPress(START_NS, seed)
         plan = Plan(press, seed=seed, **what)
-        log = PressLog(press, START_NS)
+        log = ImageLog(press, START_NS)
         now_ns = START_NS
         while plan.follow(now_ns):
             now_ns += SLICE_NS
             press.advance(now_ns)
-        run = log.run(press, now_ns)
+        run = log.run(now_ns, [symbol.name for symbol in SYMBOLS])
         FOLDER.mkdir(parents=True, exist_ok=True)
         Log.from_columns(run.time_ns, run.signal_index, run.value, run.signals).write(path)
         write_truth(truth, plan.happenings(), now_ns, press.cycles)

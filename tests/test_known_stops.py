@@ -10,8 +10,9 @@ import pytest
 
 from runglight.log.changelog import Log
 from runglight.model import learn_cycle
+from runglight.plants.image_log import ImageLog
 from runglight.plants.press import MODES, REGIONS, SYMBOLS, RunningPress
-from runglight.plants.press.simulate import SLICE_NS, START_NS, PressLog
+from runglight.plants.press.simulate import SLICE_NS, START_NS
 from runglight.plants.symbols import write_symbols
 
 Doing = Callable[[RunningPress], object]
@@ -24,7 +25,7 @@ OPEN_DOOR: Doing = lambda press: press.open_door(30.0)  # noqa: E731
 def pressed(doings: Iterable[Doing], *, seed: int, cycles: int, every: int = 4) -> Log:
     """A press at work; every few cycles one of the doings, at different moments."""
     press = RunningPress(START_NS, seed)
-    log = PressLog(press, START_NS)
+    log = ImageLog(press, START_NS)
     ahead = iter(doings)
     now_ns, done = START_NS, 0
     moments = cycle((0, 3, 1, 2))
@@ -37,7 +38,7 @@ def pressed(doings: Iterable[Doing], *, seed: int, cycles: int, every: int = 4) 
                 press.advance(now_ns)
             doing(press)
             done += 1
-    run = log.run(press, now_ns)
+    run = log.run(now_ns, [symbol.name for symbol in SYMBOLS])
     return Log.from_columns(run.time_ns, run.signal_index, run.value, run.signals)
 
 

@@ -9,8 +9,9 @@ import pytest
 
 from runglight.log.changelog import Log
 from runglight.model import learn_cycle
+from runglight.plants.image_log import ImageLog
 from runglight.plants.press import MODES, REGIONS, SYMBOLS, RunningPress, simulate_press
-from runglight.plants.press.simulate import SLICE_NS, START_NS, PressLog
+from runglight.plants.press.simulate import SLICE_NS, START_NS
 from runglight.plants.symbols import write_symbols
 
 HOUR_S = 3600.0
@@ -28,14 +29,14 @@ def nominal() -> Log:
 def operated(*, worn: bool) -> Log:
     """Nine hours of the press, in which clamp 2 wears out from the first to the eighth."""
     press = RunningPress(START_NS, seed=7)
-    log = PressLog(press, START_NS)
+    log = ImageLog(press, START_NS)
     now_ns = START_NS
     while now_ns < START_NS + HOURS * HOUR_S * 1e9:
         before_ns, now_ns = now_ns, now_ns + SLICE_NS
         press.advance(now_ns)
         if worn and before_ns < START_NS + HOUR_S * 1e9 <= now_ns:
             press.wear_out("Clamp2", 7 * HOUR_S)
-    run = log.run(press, now_ns)
+    run = log.run(now_ns, [symbol.name for symbol in SYMBOLS])
     made = Log.from_columns(run.time_ns, run.signal_index, run.value, run.signals)
     assert [why for _, why in press.alarms] == (["Clamp2-ADV"] if worn else [])
     return made

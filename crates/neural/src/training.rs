@@ -244,9 +244,9 @@ mod tests {
     /// What candle computes in training is what the engine computes when asked.
     #[test]
     fn the_engine_runs_the_network_candle_trained() -> Result<(), TrainingError> {
-        let trained = Trained::new(6, 4, &mut Random::new(3))?;
-        let features = [0.5f32, 0.1, 0.9, 0.0, 1.0, 0.3];
-        let input = Tensor::from_slice(&features, (1, 6), &Device::Cpu)?;
+        let trained = Trained::new(24, 4, &mut Random::new(3))?;
+        let features: Vec<f32> = (0..24).map(|at| (at * 7 % 24) as f32 / 23.0).collect();
+        let input = Tensor::from_slice(&features, (1, 24), &Device::Cpu)?;
         let logits = trained.forward(&input, None)?;
         let wanted = candle_nn::ops::softmax(&logits, candle_core::D::Minus1)?
             .flatten_all()?
