@@ -43,7 +43,7 @@ def main() -> None:
 
     tiny = log.select(range(2_000))
     started = time.process_time()
-    rl.train_next(tiny, net, rl.TrainingSettings(epochs=1))
+    rl.train_next(tiny, net, rl.TrainingSettings(epochs=1, patience=None))
     seconds = time.process_time() - started
     step_ms = seconds / (len(tiny) / 64) * 1e3
     print(f"training: {len(tiny) / seconds:,.0f} samples/s, {step_ms:.2f} ms a step of 64")

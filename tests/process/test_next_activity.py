@@ -11,7 +11,7 @@ from runglight.errors import InputError, ModelError
 from runglight.process.next_activity import folds, markov
 from tests.process.counting_tank import RESET, changes, log_of, write_net
 
-ENOUGH = rl.TrainingSettings(epochs=120, batch=16, seed=1)
+ENOUGH = rl.TrainingSettings(epochs=120, batch=16, seed=1, patience=None)
 
 
 @pytest.fixture(scope="module")
@@ -52,7 +52,7 @@ def test_the_reset_that_ends_a_run_is_foretold(runs: rl.EventLog, trained: rl.Ne
 
 def test_a_seed_is_a_network(runs: rl.EventLog, net: rl.PetriNet) -> None:
     def probabilities(seed: int) -> np.ndarray:
-        settings = rl.TrainingSettings(epochs=2, seed=seed)
+        settings = rl.TrainingSettings(epochs=2, seed=seed, patience=None)
         return np.asarray(rl.train_next(runs, net, settings).foretell(runs)["probability"])
 
     assert (probabilities(1) == probabilities(1)).all()

@@ -15,7 +15,9 @@ from tests.process.counting_tank import RESET, changes, log_of, write_net
 def trained(tmp_path_factory: pytest.TempPathFactory) -> rl.NextActivity:
     net = rl.read_net(write_net(tmp_path_factory.mktemp("net") / "tank.pnml"))
     runs = rl.event_log(log_of(changes(22)), reset=RESET)
-    return rl.train_next(runs, net, rl.TrainingSettings(epochs=200, batch=16, seed=1))
+    return rl.train_next(
+        runs, net, rl.TrainingSettings(epochs=200, batch=16, seed=1, patience=None)
+    )
 
 
 def told(trained: rl.NextActivity, log: rl.Log) -> list[dict[str, Any]]:

@@ -12,7 +12,7 @@ use crate::training::{Epoch, Rows, Settings, TrainingError, train};
 /// One trace in so many is held out for early stopping.
 const HELD_OUT_ONE_IN: usize = 5;
 
-/// Trains on some traces of a log; with early stopping the last fifth of them is held out.
+/// Trains on some traces of a log; with early stopping the last fifth of five or more is held out.
 ///
 /// # Errors
 /// Nothing to learn from, settings that make no sense, or `goes_on` said `false`.
@@ -26,12 +26,11 @@ pub fn learn(
 ) -> Result<NextActivity, TrainingError> {
     let lesson = Lesson::prepare(net, log, traces, succession);
     let samples = &lesson.samples;
-    let kept = match settings.patience {
-        None => traces.len(),
-        Some(_) => traces.len() - traces.len().div_ceil(HELD_OUT_ONE_IN),
-    };
+    // Of a few traces none can be spared.
+    let held_out = settings.patience.filter(|_| traces.len() >= HELD_OUT_ONE_IN);
+    let kept = traces.len() - held_out.map_or(0, |_| traces.len().div_ceil(HELD_OUT_ONE_IN));
     let split = samples.bounds[kept];
-    let held_out = settings.patience.map(|_| rows(samples, split..samples.next.len()));
+    let held_out = held_out.map(|_| rows(samples, split..samples.next.len()));
     let classes = lesson.activities.len();
     let network = train(rows(samples, 0..split), held_out, classes, settings, goes_on)?;
     let Lesson { activities, decay, scaling, .. } = lesson;

@@ -17,6 +17,7 @@ const DROPOUT: f32 = 0.2;
 
 /// How training goes.
 #[derive(Debug, Clone, Copy, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default)]
 pub struct Settings {
     /// Passes over the samples; at most so many with early stopping.
     pub epochs: usize,

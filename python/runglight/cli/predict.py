@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 
     from runglight.process.event_log import EventLog
 
-EPOCHS = 5
 EPOCHS_AT_MOST = 500
 PATIENCE = 20
 FOLDS = 5
@@ -71,13 +70,14 @@ def train(
     output: Path
         Directory to write the network to; one that is there is replaced.
     epochs: int
-        Passes over the log (default: 5; with `--early-stopping` at most 500).
+        Passes over the log (default: at most 500, with `--early-stopping`).
     batch: int
         Samples per step (default: 64).
     seed: int
         The same seed gives the same network (default: 0).
     early_stopping: bool
-        Hold the last fifth of the runs out, and end when they are foretold no better.
+        Hold the last fifth of the runs out, and end when they are foretold no better; on where
+        `--epochs` is not given.
 
     """
     runs = runs or RunOptions()
@@ -130,13 +130,14 @@ def evaluate(
     folds: int
         Number of folds (default: 5).
     epochs: int
-        Passes over the training part (default: 5; with `--early-stopping` at most 500).
+        Passes over the training part (default: at most 500, with `--early-stopping`).
     batch: int
         Samples per step (default: 64).
     seed: int
         The same seed gives the same numbers (default: 0).
     early_stopping: bool
-        Hold the last fifth of each training part out, and end when it is foretold no better.
+        Hold the last fifth of each training part out, and end when it is foretold no better; on
+        where `--epochs` is not given.
 
     """
     if next is not None and folds is not None:
@@ -179,12 +180,11 @@ def _settings(
     for name, number, least in (("epochs", epochs, 1), ("batch", batch, 1), ("seed", seed, 0)):
         if number is not None and number < least:
             raise InputError(f"--{name}: {number} must be at least {least}")
-    default = EPOCHS_AT_MOST if early_stopping else EPOCHS
     return TrainingSettings(
-        epochs=default if epochs is None else epochs,
+        epochs=EPOCHS_AT_MOST if epochs is None else epochs,
         batch=batch,
         seed=seed,
-        patience=PATIENCE if early_stopping else None,
+        patience=PATIENCE if early_stopping or epochs is None else None,
     )
 
 

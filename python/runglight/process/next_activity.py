@@ -29,7 +29,7 @@ UNLIKELY = 0.001
 class TrainingSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, kw_only=True):
     """How a network is trained. The same seed gives the same network."""
 
-    epochs: int = 5
+    epochs: int = 500
     "Passes over the training part; at most so many with early stopping."
     batch: int = 64
     "Samples per step."
@@ -37,7 +37,7 @@ class TrainingSettings(msgspec.Struct, frozen=True, forbid_unknown_fields=True, 
     "Step size of Adam."
     seed: int = 0
     "Of weights, order of samples and dropout."
-    patience: int | None = None
+    patience: int | None = 20
     "Early stopping: end when the last fifth of the runs has not got better for so many epochs."
 
 
