@@ -21,7 +21,9 @@ FAILURES = (1, 8, 19)
 
 def test_failures_and_stops_over_s7(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(press_days, "FOLDER", tmp_path)
-    nominal = press_s7.recorded("nominal", interval_ms=150, seed=1, cycles=100, normal=STOPS * 3)
+    nominal = press_s7.recorded(
+        "nominal", interval_ms=150, seed=1, cycles=100, normal=(*STOPS, "cycle stop") * 3
+    )
     model = learned(nominal.log, "element")
     live: list[str] = []
     watchers: list[BatchWatcher] = []

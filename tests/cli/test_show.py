@@ -25,9 +25,13 @@ def test_the_overview_names_every_device(runglight: Command, cell: Path) -> None
 def test_a_device_as_in_table_2(runglight: Command, cell: Path, name: str) -> None:
     shown = runglight("show", cell / "cell.model", "--device", name)
     lines = [line.split() for line in shown.stdout.splitlines()]
-    assert ["Current", "Next", "Count", "TP", "ATT", "Min", "Max", "TTP"] in lines
+    heading = ["Current", "Next", "Count", "TP", "ATT", "Min", "Max", "TTP"]
+    assert [*heading, "Waits", "for"] in lines
     row = next(line for line in lines if line[:2] == ["ADV_OFF", "RET_ON"])
     assert row[2:4] == ["20", "1.00"]
+    # The loader takes its part back when the clamp that holds it has closed.
+    waiting = next(line for line in lines if line[:2] == ["PRT_CHK_OFF", "BACKWARD_ON"])
+    assert waiting[-3:] == ["DCLAMP-ClsSen2_ON", "+", "0.01"]
 
 
 def test_a_transition_with_two_times_has_two_rows(runglight: Command, cell: Path) -> None:

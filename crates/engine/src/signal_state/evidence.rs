@@ -114,8 +114,8 @@ pub struct Evidence {
     shares: [SharesBySisters; 2],
     /// By character.
     shapes: [Shapes; 3],
-    /// Of families, by character.
-    family_shapes: [BTreeMap<Family, Shapes>; 3],
+    /// Weight of exponential tails in families that tell, by character; sorted.
+    of_families: [Box<[(Family, f64)]>; 3],
     resolution_s: f64,
 }
 
@@ -158,16 +158,18 @@ impl Evidence {
         let shapes = CHARACTERS.map(|character| {
             Shapes::of(of(character).flat_map(|((rule, _), _)| rule.judged()), resolution_s)
         });
-        let family_shapes = CHARACTERS.map(|character| {
+        let of_families = CHARACTERS.map(|character| {
             let mut clusters: BTreeMap<Family, Vec<&TimeCluster>> = BTreeMap::new();
             for ((rule, _), &family) in of(character) {
                 clusters.entry(family).or_default().extend(rule.judged());
             }
             let of_all = &shapes[character as usize];
-            let of_family = |clusters: Vec<&TimeCluster>| of_all.of_family(clusters.into_iter());
-            clusters.into_iter().map(|(family, all)| (family, of_family(all))).collect()
+            let weight = |(family, clusters): (Family, Vec<&TimeCluster>)| {
+                of_all.of_family(clusters.into_iter()).map(|weight| (family, weight))
+            };
+            clusters.into_iter().filter_map(weight).collect()
         });
-        Self { leaving, times, shares, shapes, family_shapes, resolution_s }
+        Self { leaving, times, shares, shapes, of_families, resolution_s }
     }
 
     /// Probability that a healthy machine leaves `state` in a way not seen yet.
@@ -232,9 +234,12 @@ impl Evidence {
     }
 
     /// Shapes of the times of a rule's kind, as its sisters show them.
-    pub fn shapes(&self, rule: &Rule, names: Names<'_>) -> &Shapes {
+    pub fn shapes(&self, rule: &Rule, names: Names<'_>) -> Shapes {
         let character = Character::of(rule, self.resolution_s) as usize;
-        self.family_shapes[character].get(&names.of_rule(rule)).unwrap_or(&self.shapes[character])
+        let (shapes, of_families) = (&self.shapes[character], &self.of_families[character]);
+        let family = names.of_rule(rule);
+        let found = of_families.binary_search_by_key(&family, |&(family, _)| family);
+        found.map_or(*shapes, |at| shapes.weighted(of_families[at].1))
     }
 
     /// Shapes of times since the device's own event where another's enables it.

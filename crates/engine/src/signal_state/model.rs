@@ -175,7 +175,7 @@ impl NominalModel {
             Timing::Adaptive => {
                 let resolution_s = self.learned.resolution as f64 / SECOND as f64;
                 let shapes = self.evidence.shapes(rule, self.names());
-                limits::adaptive(rule.judged(), self.tail, shapes, resolution_s)
+                limits::adaptive(rule.judged(), self.tail, &shapes, resolution_s)
             }
         }
     }

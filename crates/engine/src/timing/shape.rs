@@ -69,17 +69,25 @@ impl Shapes {
         shapes
     }
 
-    /// The mixture among clusters that are times of the same motion of like devices: the plant
-    /// weighs one of them.
-    pub fn of_family<'a>(&self, clusters: impl Iterator<Item = &'a TimeCluster>) -> Self {
+    /// Weight of exponential tails among clusters that are times of the same motion of like
+    /// devices, of which the plant's weighs one; `None` where they tell nothing.
+    pub fn of_family<'a>(&self, clusters: impl Iterator<Item = &'a TimeCluster>) -> Option<f64> {
         let telling: Vec<&TimeCluster> =
             clusters.filter(|cluster| is_telling(cluster, self.resolution_s)).collect();
+        if telling.is_empty() {
+            return None;
+        }
         let mut family = *self;
-        for _ in 0..if telling.is_empty() { 0 } else { ROUNDS } {
+        for _ in 0..ROUNDS {
             let sum: f64 = telling.iter().map(|cluster| family.probability(cluster)).sum();
             family.exponential = (sum + self.exponential) / (telling.len() as f64 + 1.0);
         }
-        family
+        Some(family.exponential)
+    }
+
+    /// The same shapes, exponential ones of this weight.
+    pub fn weighted(&self, exponential: f64) -> Self {
+        Self { exponential, ..*self }
     }
 
     /// How far bounded times of a cluster of so many instances reach on a side, where the plant
@@ -148,11 +156,11 @@ mod tests {
         let shapes = Shapes::of(plant.iter(), 0.01);
         let doubtful = cluster(30, 0.41);
         let [bounded, exponential] = [&plant[..50], &plant[950..]]
-            .map(|family| shapes.of_family(family.iter()).exponential(&doubtful));
+            .map(|family| shapes.of_family(family.iter()).unwrap_or_default())
+            .map(|weight| shapes.weighted(weight).exponential(&doubtful));
         let alone = shapes.exponential(&doubtful);
         assert!(bounded < 0.1 * alone && exponential > alone, "{bounded} {alone} {exponential}");
-        let nobody = shapes.of_family([].iter());
-        assert_eq!(nobody.exponential(&doubtful), alone);
+        assert_eq!(shapes.of_family([].iter()), None);
     }
 
     #[test]
