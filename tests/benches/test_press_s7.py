@@ -57,7 +57,8 @@ def test_failures_and_stops_over_s7(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     # A hundred cycles are few: where two wait, which comes first is not sure yet.
     assert found.true_positive >= 2
     assert found.true_positive + found.false_negative == len(FAILURES)
-    assert (found.false_positive, found.true_negative) == (0, 5)
+    # Learned stops are no failures. The cycle stop was never learned: nobody can know it is none.
+    assert (found.false_positive, found.true_negative) == (1, 4)
     word = scored(days, watched(learned(nominal.log, "word"), days.log))
     assert (word.false_positive, word.true_negative) == (0, 5)
 
