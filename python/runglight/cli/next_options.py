@@ -24,7 +24,7 @@ class NextOptions:
     net: Path | None = None
     "The net the network was trained with (PNML)."
     unlikely: float | None = None
-    "Probability below which an activity is told (default: 0.001)."
+    "Probability below which an activity is told (default: 0.01)."
 
     def monitor(self, state: Path | None) -> NextMonitor | None:
         """A monitor where one is asked for, from where `state` left off."""

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from datetime import datetime
     from os import PathLike
 
-UNLIKELY = 0.001
+UNLIKELY = 0.01
 """Probability below which an activity is told while watching."""
 
 

@@ -23,7 +23,7 @@ use crate::signal_state::events::{Meaning, Row, Values, is_image};
 use crate::signal_state::monitor::MonitorError;
 
 /// Probability below which an activity is told, where the user does not say.
-pub const UNLIKELY: f32 = 0.001;
+pub const UNLIKELY: f32 = 0.01;
 
 /// Alternatives named in a finding.
 const ALTERNATIVES: usize = 3;
