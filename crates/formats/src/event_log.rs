@@ -52,7 +52,7 @@ pub fn write(log: &EventLog, path: &Path) -> Result<(), FormatError> {
     let names = log.activities.iter().map(|activity| &activity.name).chain(&log.names);
     if names
         .into_iter()
-        .any(|name| name.contains(|c: char| c.is_control() || c >= '\u{FFFE}' && c <= '\u{FFFF}'))
+        .any(|name| name.contains(|c: char| c.is_control() || matches!(c, '\u{FFFE}'..='\u{FFFF}')))
     {
         return Err(FormatError::Unwritable {
             path: path.to_owned(),

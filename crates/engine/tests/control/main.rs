@@ -33,9 +33,9 @@ fn run(controller: &mut Controller, seconds: i64) -> (Vec<String>, f64, f64, Vec
         for &(terminal, value) in &done.writes {
             tank.write(terminal - 3, value);
         }
-        if done.writes.iter().any(|write| *write == (3, 1)) {
+        if done.writes.contains(&(3, 1)) {
             outputs.push("fill".to_owned());
-        } else if done.writes.iter().any(|write| *write == (4, 1)) {
+        } else if done.writes.contains(&(4, 1)) {
             outputs.push("empty".to_owned());
         }
         findings.extend(done.findings);

@@ -86,6 +86,7 @@ impl PyNextActivity {
 /// Trains on some traces; `progress(epoch, loss, held_out_loss)` is called after each epoch.
 #[pyfunction]
 #[pyo3(signature = (log, net, traces, settings_json, source, events_json, progress = None))]
+#[expect(clippy::too_many_arguments, reason = "one call from Python, and the interpreter")]
 pub fn train_next(
     py: Python<'_>,
     log: &PyEventLog,

@@ -27,9 +27,9 @@ pub fn replace(model: &mut ProcessModel, parallels: &Parallels) -> Vec<usize> {
 fn detach_loops(model: &mut ProcessModel) {
     let back = leads_back(model);
     let (into, _) = model.ways();
-    for node in 0..model.kinds.len() {
-        let backward = into[node].iter().filter(|&&flow| back[flow]).count();
-        let forward: Vec<usize> = into[node].iter().copied().filter(|&flow| !back[flow]).collect();
+    for (node, flows) in into.iter().enumerate() {
+        let backward = flows.iter().filter(|&&flow| back[flow]).count();
+        let forward: Vec<usize> = flows.iter().copied().filter(|&flow| !back[flow]).collect();
         if model.kinds[node] != Kind::Inclusive || backward == 0 {
             continue;
         }

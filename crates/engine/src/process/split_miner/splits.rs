@@ -48,7 +48,7 @@ pub fn discover(graph: &Follows, parallels: &Parallels) -> (ProcessModel, BTreeS
     let mut settled = BTreeSet::new();
     let mut done = BTreeSet::new();
     let mut sources = vec![0; graph.next.len()];
-    for node in 0..graph.next.len() {
+    for (node, first) in sources.iter_mut().enumerate() {
         let mut source = place(node);
         if let Some(true) = repeats.get_mut(node).map(|repeat| std::mem::replace(repeat, false)) {
             // The way back begins at a gateway of its own and ends at the task itself, which its
@@ -57,7 +57,7 @@ pub fn discover(graph: &Follows, parallels: &Parallels) -> (ProcessModel, BTreeS
             model.flows.extend([(source, split), (split, source)]);
             source = split;
         }
-        sources[node] = source;
+        *first = source;
     }
     for part in shared_choices(graph, parallels) {
         let beside = |a: Node, b: Node| parallels[a].contains(&b);
