@@ -1,6 +1,8 @@
 //! Identification by events, against what was worked out by hand, against the tables of Cadiou
 //! 2019, and against a plain re-statement of its method.
 
+#![allow(clippy::unwrap_used, clippy::expect_used, reason = "a test that cannot go on says why")]
+
 use std::collections::BTreeSet;
 
 use proptest::prelude::*;
