@@ -38,10 +38,10 @@ def test_it_is_opened_and_understood(seen: Seen) -> None:
 
 def test_it_is_acknowledged_and_exported(seen: Seen) -> None:
     assert seen["acknowledged"]
-    [row] = [
-        row for row in csv.DictReader(io.StringIO(seen["exported"])) if row["severity"] == "fault"
-    ]
-    assert row["acknowledged_by"] == "Ada"
+    rows = csv.DictReader(io.StringIO(seen["exported"]))
+    # The fault stays switched on: on a slow computer the machine has met it again by now.
+    acknowledged = [row for row in rows if row["acknowledged_by"]]
+    assert [(row["severity"], row["acknowledged_by"]) for row in acknowledged] == [("fault", "Ada")]
 
 
 def test_every_view_is_worked_by_keyboard(seen: Seen) -> None:
