@@ -68,6 +68,31 @@ class FaultLabel:
     observed_s: float | None
 
 
+def label_of(
+    fault: FaultDescription,
+    began_ns: int,
+    shown_ns: int | None = None,
+    observed_s: float | None = None,
+) -> FaultLabel:
+    """What is told about a fault of a run."""
+    return FaultLabel(
+        number=fault.number,
+        name=fault.name,
+        time_ns=began_ns,
+        group=fault.group,
+        device=fault.device,
+        signal=fault.signal,
+        kind=fault.kind,
+        description=fault.sentence,
+        faulty=fault.faulty,
+        expected=fault.expected,
+        expected_s=fault.expected_s,
+        last_state=fault.last_state,
+        shown_ns=shown_ns,
+        observed_s=observed_s,
+    )
+
+
 def find_fault(faults: Mapping[int, FaultDescription], choice: int | str) -> FaultDescription:
     """A fault by its number (also as text) or its name; ValueError if the plant has no such."""
     for fault in faults.values():

@@ -2,7 +2,7 @@
 
 from runglight.plants.agenda import NS_PER_S
 from runglight.plants.cell.symbols import SYMBOLS
-from runglight.plants.faults import FaultDescription, FaultKind, FaultLabel
+from runglight.plants.faults import FaultDescription, FaultKind
 
 
 class Showing:
@@ -33,25 +33,3 @@ class Showing:
             self.shown_ns = time_ns
             self.observed_s = (time_ns - self._before[1]) / NS_PER_S
         self._before = state, time_ns
-
-
-def label_of(
-    fault: FaultDescription, began_ns: int, shown_ns: int | None, observed_s: float | None
-) -> FaultLabel:
-    """What is told about a fault of a run."""
-    return FaultLabel(
-        number=fault.number,
-        name=fault.name,
-        time_ns=began_ns,
-        group=fault.group,
-        device=fault.device,
-        signal=fault.signal,
-        kind=fault.kind,
-        description=fault.sentence,
-        faulty=fault.faulty,
-        expected=fault.expected,
-        expected_s=fault.expected_s,
-        last_state=fault.last_state,
-        shown_ns=shown_ns,
-        observed_s=observed_s,
-    )

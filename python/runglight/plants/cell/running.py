@@ -8,10 +8,10 @@ from runglight.plants.cell.controller import CellController
 from runglight.plants.cell.faults import FAULTS, FAULTS_AT_WORK
 from runglight.plants.cell.feeding import PART_INTERVALS_S, PartFeed
 from runglight.plants.cell.injector import TRIGGERS, TRIGGERS_AT_WORK, FaultInjector
-from runglight.plants.cell.labels import Showing, label_of
+from runglight.plants.cell.labels import Showing
 from runglight.plants.cell.plant import CellPlant
 from runglight.plants.cell.symbols import OUTPUTS, SYMBOLS
-from runglight.plants.faults import FaultDescription, FaultLabel, find_fault
+from runglight.plants.faults import FaultDescription, FaultLabel, find_fault, label_of
 from runglight.plants.scanned import ScannedPlant
 
 

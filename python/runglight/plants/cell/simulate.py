@@ -7,10 +7,10 @@ from runglight.plants.cell.controller import CellController
 from runglight.plants.cell.faults import FAULTS
 from runglight.plants.cell.feeding import PART_INTERVALS_S, PATTERN_LENGTH, PartFeed
 from runglight.plants.cell.injector import TRIGGERS, FaultInjector
-from runglight.plants.cell.labels import Showing, label_of
+from runglight.plants.cell.labels import Showing
 from runglight.plants.cell.plant import CellPlant
 from runglight.plants.cell.symbols import INPUTS, OUTPUTS, SYMBOLS
-from runglight.plants.faults import FaultDescription, FaultLabel, find_fault
+from runglight.plants.faults import FaultDescription, FaultLabel, find_fault, label_of
 from runglight.plants.logger import ChangeLogger
 from runglight.plants.run import Columns, PlantRun
 from runglight.plants.scan import ScanCycle

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 from functools import partial
 
 from runglight.plants.agenda import nanoseconds
-from runglight.plants.faults import FaultDescription, FaultKind, FaultLabel, find_fault
+from runglight.plants.faults import FaultDescription, FaultKind, FaultLabel, find_fault, label_of
 from runglight.plants.press.chart import AT_START
 from runglight.plants.press.controller import PressController
 from runglight.plants.press.faults import FAILURES, FAULTS
@@ -92,22 +92,7 @@ class RunningPress(ScannedPlant[bool]):
     def labels(self) -> tuple[FaultLabel, ...]:
         """The truth about every failure that has begun."""
         return tuple(
-            FaultLabel(
-                number=each.fault.number,
-                name=each.fault.name,
-                time_ns=each.began_ns,
-                group=each.fault.group,
-                device=each.fault.device,
-                signal=each.fault.signal,
-                kind=each.fault.kind,
-                description=each.fault.sentence,
-                faulty=None,
-                expected=(),
-                expected_s=None,
-                last_state=None,
-                shown_ns=each.shown_ns,
-                observed_s=None,
-            )
+            label_of(each.fault, each.began_ns, each.shown_ns)
             for each in self._injected
             if each.began_ns is not None
         )

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from runglight.plants.faults import FaultDescription, FaultKind, FaultLabel, find_fault
+from runglight.plants.faults import FaultDescription, FaultKind, FaultLabel, find_fault, label_of
 from runglight.plants.running import ChangeListener, Image
 from runglight.plants.symbols import Symbol
 from runglight.plants.tank.faults import FAULTS, SENSOR_OF, VALVE_OF
@@ -81,26 +81,7 @@ class RunningTank:
 
     def labels(self) -> tuple[FaultLabel, ...]:
         """The truth about every fault that has begun."""
-        return tuple(
-            FaultLabel(
-                number=each.fault.number,
-                name=each.fault.name,
-                time_ns=each.armed_ns,
-                group=each.fault.group,
-                device=each.fault.device,
-                signal=each.fault.signal,
-                kind=each.fault.kind,
-                description=each.fault.sentence,
-                faulty=None,
-                expected=(),
-                expected_s=None,
-                last_state=None,
-                shown_ns=None,
-                observed_s=None,
-            )
-            for each in self._injected
-            if each.began
-        )
+        return tuple(label_of(each.fault, each.armed_ns) for each in self._injected if each.began)
 
     def waiting(self) -> tuple[FaultDescription, ...]:
         """Faults injected that have not begun yet."""
