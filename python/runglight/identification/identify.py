@@ -118,17 +118,18 @@ class Identification:
         """When the first `limit` candidates changed, in nanoseconds since 1970."""
         if self._places is None:
             return self._engine.moments(self._log, limit)
-        moments = self._engine.moments(self._log, len(self))
-        return [moments[place] for place in self._places[:limit]]
+        places = self._places[:limit]
+        moments = self._engine.moments(self._log, max(places, default=-1) + 1)
+        return [moments[place] for place in places]
 
     def agreed(self, events: Events, scan_interval_s: float | None) -> Identification:
         """The same candidates, those first whose changes agree best with events one by one."""
-        from runglight.identification.agreement import by_agreement  # noqa: PLC0415
+        from runglight.identification.agreement import MOST, by_agreement  # noqa: PLC0415
 
         found = Identification(self._engine, self._log, self.tau_s)
         found._rows, found._places = by_agreement(
             self.best(len(self)),
-            self.moments(len(self)),
+            self.moments(MOST),
             events.time_ns,
             round(self.tau_s * 1e9),
             round((scan_interval_s or 0.0) * 1e9),
