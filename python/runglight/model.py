@@ -13,28 +13,19 @@ from runglight.configuration import Cycle, Modes, Parameters, cycle_json
 from runglight.cycle_model import CycleModel
 from runglight.errors import InputError
 from runglight.findings.batch import Findings
-from runglight.log.changelog import Log, arrow_table
+from runglight.log.changelog import Log
 from runglight.log.symbols import read_symbols
-from runglight.moments import nanoseconds
+from runglight.monitoring import MonitorVerbs
 from runglight.strictly import convert
 
 if TYPE_CHECKING:
-    from datetime import datetime
     from os import PathLike
 
 ROWS_AT_ONCE = 1 << 18
 
 
-class Monitor:
+class Monitor(MonitorVerbs[_engine.Monitor]):
     """Watches one plant. Every split of a log into batches gives the same findings."""
-
-    def __init__(self, engine_monitor: _engine.Monitor) -> None:
-        self._engine = engine_monitor
-
-    def observe(self, batch: Log | Any) -> Findings:
-        """Takes changes in time order: a `Log`, or an Arrow table `time`, `signal`, `value`."""
-        rows = batch.engine if isinstance(batch, Log) else arrow_table(batch)
-        return Findings(self._engine.observe(rows))
 
     def bind(self, signals: Sequence[str]) -> None:
         """Names what the indices of `observe_rows` and `observe_image` stand for, from now on."""
@@ -55,22 +46,6 @@ class Monitor:
     def now_ns(self) -> int | None:
         """The newest time observed or advanced to (nanoseconds since 1970); None at the start."""
         return self._engine.now_ns
-
-    def advance(self, now: datetime | int) -> Findings:
-        """Time went on without a change (aware datetime, or nanoseconds since 1970): stalls."""
-        return Findings(self._engine.advance(nanoseconds(now)))
-
-    def gap(self, start: datetime | int, end: datetime | int) -> Findings:
-        """Nothing was recorded between two times: resynchronises instead of alarming."""
-        return Findings(self._engine.gap(nanoseconds(start), nanoseconds(end)))
-
-    def finish(self) -> Findings:
-        """The log has ended."""
-        return Findings(self._engine.finish())
-
-    def state(self) -> bytes:
-        """Everything the monitor knows, for `NominalModel.monitor(state=…)`."""
-        return self._engine.state()
 
     def take_snapshots(self) -> list[str]:
         """Snapshots made since the last call, as JSON."""

@@ -11,15 +11,12 @@ import msgspec
 
 from runglight import _engine
 from runglight.errors import InputError
-from runglight.findings.batch import Findings
-from runglight.log.changelog import Log, arrow_table
-from runglight.moments import nanoseconds
+from runglight.monitoring import MonitorVerbs
 from runglight.process.event_log import EventLog
 from runglight.process.petri_net import PetriNet
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator, Mapping, Sequence
-    from datetime import datetime
     from os import PathLike
 
 UNLIKELY = 0.01
@@ -109,32 +106,8 @@ class NextActivity:
         return NextMonitor(_engine.NextMonitor(self._engine, reset, unlikely, state))
 
 
-class NextMonitor:
+class NextMonitor(MonitorVerbs[_engine.NextMonitor]):
     """Watches one machine, with the verbs of `runglight.Monitor`; all it tells are notices."""
-
-    def __init__(self, engine_monitor: _engine.NextMonitor) -> None:
-        self._engine = engine_monitor
-
-    def observe(self, batch: Log | Any) -> Findings:
-        """Takes changes in time order: a `Log`, or an Arrow table `time`, `signal`, `value`."""
-        rows = batch.engine if isinstance(batch, Log) else arrow_table(batch)
-        return Findings(self._engine.observe(rows))
-
-    def advance(self, now: datetime | int) -> Findings:
-        """Time went on without a change: judges the running scan."""
-        return Findings(self._engine.advance(nanoseconds(now)))
-
-    def gap(self, start: datetime | int, end: datetime | int) -> Findings:
-        """Nothing was recorded between two times: runs are followed again from the next reset."""
-        return Findings(self._engine.gap(nanoseconds(start), nanoseconds(end)))
-
-    def finish(self) -> Findings:
-        """The log has ended."""
-        return Findings(self._engine.finish())
-
-    def state(self) -> bytes:
-        """Everything the monitor knows, for `NextActivity.monitor(state=…)`."""
-        return self._engine.state()
 
 
 def train_next(
