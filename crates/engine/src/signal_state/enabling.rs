@@ -14,6 +14,7 @@ mod delays;
 mod finalists;
 mod happenings;
 mod partner;
+mod window;
 
 pub use happenings::{Happening, Happenings};
 

@@ -8,6 +8,7 @@ use crate::plant::SignalClass;
 use crate::signal_state::states::StateId;
 
 use super::happenings::{Happenings, Passed};
+use super::window;
 
 /// Instances that vote; one bit each.
 pub(super) const VOTERS: usize = 32;
@@ -231,17 +232,8 @@ fn may_enable(index: &Happenings<'_>, state: StateId, next: StateId, meetings: &
 /// and ends.
 fn densest(meetings: &[u64], steady: f64) -> Option<Window> {
     let steady = (steady * SECOND as f64) as u64;
-    let mut best: Option<(usize, usize)> = None;
-    let mut start = 0;
-    for end in 0..meetings.len() {
-        while ago(meetings[end]) - ago(meetings[start]) > steady {
-            start += 1;
-        }
-        if best.is_none_or(|(s, e)| end - start > e - s) {
-            best = Some((start, end));
-        }
-    }
-    best.map(|(start, end)| {
+    let apart = |start: usize, end: usize| ago(meetings[end]) - ago(meetings[start]) > steady;
+    window::densest(meetings.len(), apart).map(|(start, end)| {
         let mask = meetings[start..=end].iter().fold(0u32, |mask, &m| mask | 1 << voter(m));
         (mask, (seconds(ago(meetings[start])), seconds(ago(meetings[end]))))
     })

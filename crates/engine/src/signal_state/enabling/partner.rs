@@ -7,7 +7,7 @@ use crate::signal_state::states::{NO_STATE, StateId};
 
 use super::ballot::{Election, VOTERS};
 use super::delays::{self, Wait};
-use super::{FINALISTS, GAIN, Search};
+use super::{FINALISTS, GAIN, Search, window};
 
 /// So many instances must be left, and the partner must explain this share of them.
 const LEFT_AT_LEAST: usize = 3;
@@ -61,15 +61,6 @@ pub(super) fn found(
 
 /// Ends of the window of this width that holds most of the sorted times.
 fn most_within(sorted: &[f64], width: f64) -> Option<(f64, f64)> {
-    let mut best: Option<(usize, usize)> = None;
-    let mut start = 0;
-    for end in 0..sorted.len() {
-        while sorted[end] - sorted[start] > width {
-            start += 1;
-        }
-        if best.is_none_or(|(s, e)| end - start > e - s) {
-            best = Some((start, end));
-        }
-    }
-    best.map(|(start, end)| (sorted[start], sorted[end]))
+    let apart = |start: usize, end: usize| sorted[end] - sorted[start] > width;
+    window::densest(sorted.len(), apart).map(|(start, end)| (sorted[start], sorted[end]))
 }
