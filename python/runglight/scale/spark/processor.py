@@ -1,0 +1,128 @@
+"""The stateful processor that Spark runs: one key is one part of one plant."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+from pyspark.sql.streaming import StatefulProcessor, StatefulProcessorHandle
+
+from runglight.scale.spark import chunk, found, notices
+from runglight.scale.spark.part_watcher import MS, PartState, PartWatcher, Told
+
+if TYPE_CHECKING:
+    from runglight.scale.spark.shipped_model import ShippedModels
+
+STATE = "model string, monitor binary, waiting binary, wake_ms bigint"
+
+ASIDE = "\0aside"
+"""Part of the rows that are no changes: heartbeats, and messages that could not be read."""
+
+
+class Aside(msgspec.Struct, frozen=True):
+    """What a task read beside changes."""
+
+    newest_ns: int
+    unreadable: int = 0
+    first: str = ""
+
+
+class PartProcessor(StatefulProcessor):  # type: ignore[misc]
+    """Gives each key's chunks to its part's watcher, and keeps what that knows."""
+
+    def __init__(self, models: ShippedModels, quiet_ns: int) -> None:
+        self._models = models
+        self._quiet_ns = quiet_ns
+
+    def init(self, handle: StatefulProcessorHandle) -> None:
+        """Names the state; Spark calls it once on the driver, and in every task."""
+        self._handle = handle
+        self._state = handle.getValueState("part", STATE)
+
+    def handleInputRows(self, key: Any, rows: Iterator[Any], timerValues: Any) -> Iterator[Any]:  # noqa: N802, N803
+        """New chunks of one part."""
+        plant, part = key
+        pieces = [
+            piece
+            for each in rows
+            for piece in zip(
+                each["partition"].tolist(),
+                each["offset"].tolist(),
+                each["rows"].tolist(),
+                strict=True,
+            )
+        ]
+        # Spark hands them over in any order; by partition and offset they are as they were sent.
+        pieces.sort(key=lambda piece: piece[:2])
+        yield from self._step(
+            plant, part, [bytes(piece[2]) for piece in pieces], timerValues, expired_ms=None
+        )
+
+    def handleExpiredTimer(  # noqa: N802
+        self,
+        key: Any,
+        timerValues: Any,  # noqa: N803
+        expiredTimerInfo: Any,  # noqa: N803
+    ) -> Iterator[Any]:
+        """The watermark has passed the time that a part wanted to be woken at."""
+        plant, part = key
+        yield from self._step(
+            plant, part, [], timerValues, expired_ms=expiredTimerInfo.getExpiryTimeInMs()
+        )
+
+    def close(self) -> None:
+        """Nothing is held."""
+
+    def _step(
+        self, plant: str, part: str, chunks: list[bytes], timer: Any, expired_ms: int | None
+    ) -> Iterator[Any]:
+        if part == ASIDE:
+            told = _told_aside(chunks)
+        elif (model := self._models.of(plant)) is None:
+            told = self._homeless(plant, part, chunks)
+        else:
+            saved = self._state.get() if self._state.exists() else None
+            state = None if saved is None else _restored(saved)
+            watcher = PartWatcher(plant, part, model.fingerprint, model.parts(), self._quiet_ns)
+            watermark_ns = max(0, timer.getCurrentWatermarkInMs()) * MS
+            told, after = watcher.step(state, chunks, watermark_ns)
+            self._keep(state, after, expired_ms)
+        if told.lines:
+            yield found.frame(plant, told)
+
+    def _keep(self, before: PartState | None, after: PartState, expired_ms: int | None) -> None:
+        self._state.update((after.model, after.monitor, after.waiting, after.wake_ms))
+        if before is not None and before.wake_ms == after.wake_ms:
+            return
+        if before is not None and before.wake_ms and before.wake_ms != expired_ms:
+            self._handle.deleteTimer(before.wake_ms)
+        if after.wake_ms:
+            self._handle.registerTimer(after.wake_ms)
+
+    def _homeless(self, plant: str, part: str, chunks: list[bytes]) -> Told:
+        if self._state.exists() or not chunks:
+            return Told()
+        self._state.update(("", b"", None, 0))
+        time_ns = chunk.times_ns(chunk.unpack(chunks))
+        return Told([notices.homeless(plant, len(time_ns), int(time_ns.max()))])
+
+
+def _restored(saved: Any) -> PartState | None:
+    model, monitor, waiting, wake_ms = saved
+    if not model:
+        # It had no model until now.
+        return None
+    return PartState(
+        model, bytes(monitor), None if waiting is None else bytes(waiting), int(wake_ms)
+    )
+
+
+_aside = msgspec.msgpack.Decoder(Aside)
+
+
+def _told_aside(chunks: list[bytes]) -> Told:
+    asides = [aside for aside in map(_aside.decode, chunks) if aside.unreadable]
+    return Told(
+        [notices.unreadable(aside.unreadable, aside.first, aside.newest_ns) for aside in asides]
+    )
