@@ -82,18 +82,18 @@ def decode_json(values: Any, partitions: Any, offsets: Any) -> Changes:
 
 def decode_binary(values: Any, partitions: Any, offsets: Any) -> Changes:
     """One change per message."""
-    length = pc.fill_null(pc.binary_length(values), 0).to_numpy(zero_copy_only=False)
-    long_enough = length >= FIXED
-    texts, first = values, ""
+    texts: list[bytes] = values.to_pylist()
     partition = partitions.to_numpy(zero_copy_only=False)
+    long_enough = np.array([text is not None and len(text) >= FIXED for text in texts], bool)
+    first = ""
     if not long_enough.all():
         row = int(np.flatnonzero(~long_enough)[0])
-        first = _where(partitions, offsets, row, f"has {length[row]} bytes, not {FIXED} or more")
-        texts = values.filter(pa.array(long_enough))
+        reason = f"has {len(texts[row] or b'')} bytes, not {FIXED} or more"
+        first = _where(partitions, offsets, row, reason)
+        texts = [texts[row] for row in np.flatnonzero(long_enough)]
         partition = partition[long_enough]
-    fixed = np.frombuffer(b"".join(pc.binary_slice(texts, 0, FIXED).to_pylist()), "<i8")
-    fixed = fixed.reshape(-1, 2)
-    signals, bad_name = _names(pc.binary_slice(texts, FIXED, None))
+    fixed = np.frombuffer(b"".join([text[:FIXED] for text in texts]), "<i8").reshape(-1, 2)
+    signals, bad_name = _names([text[FIXED:] or None for text in texts])
     changes = Changes(
         fixed[:, 0],
         signals,
@@ -175,18 +175,16 @@ def _array(column: Any) -> Any:
     return combined if isinstance(combined, pa.Array) else combined.chunk(0)
 
 
-def _names(texts: Any) -> tuple[Any, Any]:
+def _names(texts: list[bytes | None]) -> tuple[Any, Any]:
+    encoded = pa.array(texts, pa.binary())
     try:
-        encoded, bad = names(texts.cast(pa.string())), None
+        return names(encoded.cast(pa.string())), None
     except pa.ArrowInvalid:
-        decoded = [_utf8(text) for text in texts.to_pylist()]
-        bad = np.array([text is None for text in decoded])
-        encoded = names(decoded)
-    # An empty name is none: a heartbeat.
-    empty = pc.equal(encoded.dictionary, "")
-    if not pc.any(empty).as_py():
-        return encoded, bad
-    return names(pc.if_else(pc.equal(encoded.cast(pa.string()), ""), None, encoded.cast(pa.string()))), bad
+        decoded = [None if text is None else _utf8(text) for text in texts]
+        bad = [
+            text is not None and name is None for text, name in zip(texts, decoded, strict=True)
+        ]
+        return names(decoded), np.array(bad)
 
 
 def _utf8(text: bytes) -> str | None:

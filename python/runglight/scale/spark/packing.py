@@ -9,13 +9,11 @@ import time
 from collections.abc import Callable, Iterable, Iterator
 from typing import TYPE_CHECKING, Any
 
-import msgspec
 import numpy as np
 import pyarrow as pa
 
-from runglight.scale.spark import chunk
+from runglight.scale.spark import aside, chunk
 from runglight.scale.spark.changes import Changes
-from runglight.scale.spark.processor import ASIDE, Aside
 
 if TYPE_CHECKING:
     from runglight.scale.spark.shipped_model import ShippedModels
@@ -90,14 +88,15 @@ class Packer:
 
     def _aside(self, held: list[Changes]) -> tuple[Any, ...]:
         newest_ns = max((int(each.time_ns.max()) for each in held if len(each)), default=0)
-        aside = Aside(
-            newest_ns,
-            sum(each.unreadable for each in held),
-            next((each.first for each in held if each.first), ""),
+        packed = aside.packed(
+            aside.Aside(
+                newest_ns,
+                sum(each.unreadable for each in held),
+                next((each.first for each in held if each.first), ""),
+            )
         )
         partition = int(held[0].partition[0]) if len(held[0]) else 0
-        packed = msgspec.msgpack.encode(aside)
-        return ("", ASIDE, newest_ns // 1000, partition, held[0].offset, packed)
+        return ("", aside.PART, newest_ns // 1000, partition, held[0].offset, packed)
 
     def _chunks(self, held: list[Changes]) -> Iterator[tuple[Any, ...]]:
         plants = pa.chunked_array([each.plant for each in held]).unify_dictionaries()

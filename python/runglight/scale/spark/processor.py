@@ -5,28 +5,15 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import TYPE_CHECKING, Any
 
-import msgspec
 from pyspark.sql.streaming import StatefulProcessor, StatefulProcessorHandle
 
-from runglight.scale.spark import chunk, found, notices
+from runglight.scale.spark import aside, chunk, found, notices
 from runglight.scale.spark.part_watcher import MS, PartState, PartWatcher, Told
 
 if TYPE_CHECKING:
     from runglight.scale.spark.shipped_model import ShippedModels
 
 STATE = "model string, monitor binary, waiting binary, wake_ms bigint"
-
-ASIDE = "\0aside"
-"""Part of the rows that are no changes: heartbeats, and messages that could not be read."""
-
-
-class Aside(msgspec.Struct, frozen=True):
-    """What a task read beside changes."""
-
-    newest_ns: int
-    unreadable: int = 0
-    first: str = ""
-
 
 class PartProcessor(StatefulProcessor):  # type: ignore[misc]
     """Gives each key's chunks to its part's watcher, and keeps what that knows."""
@@ -77,8 +64,8 @@ class PartProcessor(StatefulProcessor):  # type: ignore[misc]
     def _step(
         self, plant: str, part: str, chunks: list[bytes], timer: Any, expired_ms: int | None
     ) -> Iterator[Any]:
-        if part == ASIDE:
-            told = _told_aside(chunks)
+        if part == aside.PART:
+            told = Told(aside.told(chunks))
         elif (model := self._models.of(plant)) is None:
             told = self._homeless(plant, part, chunks)
         else:
@@ -115,14 +102,4 @@ def _restored(saved: Any) -> PartState | None:
         return None
     return PartState(
         model, bytes(monitor), None if waiting is None else bytes(waiting), int(wake_ms)
-    )
-
-
-_aside = msgspec.msgpack.Decoder(Aside)
-
-
-def _told_aside(chunks: list[bytes]) -> Told:
-    asides = [aside for aside in map(_aside.decode, chunks) if aside.unreadable]
-    return Told(
-        [notices.unreadable(aside.unreadable, aside.first, aside.newest_ns) for aside in asides]
     )
