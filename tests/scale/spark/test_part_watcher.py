@@ -13,6 +13,7 @@ from hypothesis import strategies as st
 
 from runglight.model import NominalModel
 from runglight.scale.spark import chunk
+from runglight.scale.spark.opening import Opening
 from runglight.scale.spark.part_watcher import MS, PartState, PartWatcher
 from runglight.scale.spark.plant_parts import PlantParts
 from tests.conftest import simulated
@@ -52,8 +53,9 @@ class Stream:
         pieces = [piece for piece in pieces if len(piece)]
         due = self.state is not None and self.state.wake_ms * MS <= self.watermark_ns
         if pieces or due:
+            openings = [Opening(int(piece["time"].to_numpy().min()), True) for piece in pieces]
             told, self.state = self._watcher.step(
-                self.state, [packed(piece) for piece in pieces], self.watermark_ns
+                self.state, [packed(piece) for piece in pieces], self.watermark_ns, openings
             )
             self.lines += told.lines
             assert self.state.wake_ms * MS > self.watermark_ns

@@ -19,7 +19,8 @@ if TYPE_CHECKING:
     from runglight.scale.spark.shipped_model import ShippedModels
 
 SCHEMA = (
-    "plant string, part string, latest timestamp, partition int, offset bigint, rows binary"
+    "plant string, part string, latest timestamp, partition int, offset bigint, rows binary, "
+    "opens_ns bigint, opens_image boolean"
 )
 _ARROW = pa.schema(
     [
@@ -29,6 +30,8 @@ _ARROW = pa.schema(
         ("partition", pa.int32()),
         ("offset", pa.int64()),
         ("rows", pa.binary()),
+        ("opens_ns", pa.int64()),
+        ("opens_image", pa.bool_()),
     ]
 )
 ROWS_AT_ONCE = 1 << 18
@@ -96,7 +99,7 @@ class Packer:
             )
         )
         partition = int(held[0].partition[0]) if len(held[0]) else 0
-        return ("", aside.PART, newest_ns // 1000, partition, held[0].offset, packed)
+        return ("", aside.PART, newest_ns // 1000, partition, held[0].offset, packed, 0, False)
 
     def _chunks(self, held: list[Changes]) -> Iterator[tuple[Any, ...]]:
         plants = pa.chunked_array([each.plant for each in held]).unify_dictionaries()
@@ -112,14 +115,20 @@ class Packer:
         index = signal.indices.fill_null(0).to_numpy(zero_copy_only=False)
         named = plant.indices.fill_null(0).to_numpy(zero_copy_only=False)
         for number, name in enumerate(plant.dictionary.to_pylist()):
-            parts, part_of = self._parts(name or "", signal.dictionary)
             here = (named == number) & ~beating
-            of_row = np.where(here, part_of[index] if len(part_of) else 0, len(parts))
+            if not here.any():
+                continue
+            parts, part_of = self._parts(name, signal.dictionary)
+            first_ns = time_ns[here].min()
+            opening = int(first_ns), bool((value[here & (time_ns == first_ns)] == 0).any())
+            of_row = np.where(here, part_of[index], len(parts))
             order = np.argsort(of_row, kind="stable")
             bounds = np.searchsorted(of_row[order], np.arange(len(parts) + 1))
             for position, part in enumerate(parts):
                 chosen = order[bounds[position] : bounds[position + 1]]
                 if not len(chosen):
+                    # It has to know when the plant's rows begin all the same.
+                    yield name, part, int(first_ns) // 1000, 0, offset, None, *opening
                     continue
                 table = chunk.table_of(
                     time_ns[chosen],
@@ -128,8 +137,8 @@ class Packer:
                     partition[chosen],
                 )
                 latest_us = int(time_ns[chosen].max()) // 1000
-                first = int(partition[chosen[0]])
-                yield name or "", part, latest_us, first, offset, chunk.pack(table)
+                came_by = int(partition[chosen[0]])
+                yield name, part, latest_us, came_by, offset, chunk.pack(table), *opening
 
     def _parts(self, plant: str, signals: Any) -> tuple[tuple[str, ...], Any]:
         model = self._models.of(plant)
@@ -138,13 +147,10 @@ class Packer:
             return ("",), np.zeros(len(signals), np.int64)
         parts = model.parts()
         known = self._part_of.setdefault(plant, {})
-        numbers = np.empty(len(signals), np.int64)
-        for position, name in enumerate(signals.to_pylist()):
-            number = known.get(name)
-            if number is None:
-                number = known[name] = parts.of_signal(name)
-            numbers[position] = number
-        return parts.names, numbers
+        names = signals.to_pylist()
+        strangers = [name for name in names if name not in known]
+        known.update(zip(strangers, parts.of_signals(strangers), strict=True))
+        return parts.names, np.array([known[name] for name in names], np.int64)
 
 
 def _single(array: Any) -> Any:

@@ -10,7 +10,7 @@ from runglight.errors import InputError
 from runglight.scale.spark import found, frames, packing
 from runglight.scale.spark.counting import Counts
 from runglight.scale.spark.kafka import KafkaChanges
-from runglight.scale.spark.processor import PartProcessor
+from runglight.scale.spark.processor import READ, PartProcessor
 from runglight.scale.spark.shipped_model import Model, ShippedModels, ship
 from runglight.scale.spark.sinks import FindingSink, one_sink
 
@@ -81,7 +81,7 @@ def watch(
             .withWatermark("latest", f"{round(delay_s * 1000)} milliseconds")
             # Without the column Spark leaves no chunk out as late: what is late for one part
             # may be in time for another, and the watchers know.
-            .select("plant", "part", "partition", "offset", "rows")
+            .select("plant", "part", *READ)
         )
         findings = chunks.groupBy("plant", "part").transformWithStateInPandas(
             PartProcessor(models, round(quiet_s * SECOND)), found.SCHEMA, "Append", "EventTime"
