@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 
 UNCLOSED = "ignore::pytest.PytestUnraisableExceptionWarning"
-"""py4j leaves the sockets of its threads to the collector; what Spark's tests do is not to blame."""
+"""py4j leaves the sockets of its threads to the collector."""
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import os
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from pathlib import Path
 from typing import Any
 
@@ -53,9 +54,7 @@ def heartbeat(time_ns: int) -> pa.Table:
 def cut(rows: pa.Table, pieces: int) -> list[pa.Table]:
     """The rows in some pieces of about one size."""
     bounds = [len(rows) * piece // pieces for piece in range(pieces + 1)]
-    return [
-        rows.slice(start, end - start) for start, end in zip(bounds, bounds[1:], strict=False)
-    ]
+    return [rows.slice(start, end - start) for start, end in pairwise(bounds)]
 
 
 def disordered(rows: pa.Table, by_s: float, seed: int = 7) -> pa.Table:
@@ -112,7 +111,10 @@ def each_once(lines: Iterable[str]) -> bool:
 
 
 def body_shop(
-    size: str = "tiny", learn_events: int = 38_000, watch_events: int = 12_000, broken: float = 0.002
+    size: str = "tiny",
+    learn_events: int = 38_000,
+    watch_events: int = 12_000,
+    broken: float = 0.002,
 ) -> tuple[NominalModel, Log]:
     """The model of a body shop, and a log of it in which that share of the changes is missing."""
     run = simulate_bodyshop(size, 1, learn_events, watch_events)

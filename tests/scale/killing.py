@@ -8,6 +8,7 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,7 +21,7 @@ PATIENCE_S = 300
 
 def executors(session: SparkSession) -> list[int]:
     """Processes of the session's executors."""
-    driver = session.sparkContext._gateway.proc.pid  # noqa: SLF001
+    driver = session.sparkContext._gateway.proc.pid
     return [child for child in children(driver) if b"CoarseGrainedExecutor" in command(child)]
 
 
@@ -49,10 +50,8 @@ def command(process: int) -> bytes:
 
 def kill(process: int) -> None:
     """At once, without a chance to tidy up."""
-    try:
+    with suppress(ProcessLookupError):
         os.kill(process, signal.SIGKILL)
-    except ProcessLookupError:
-        pass
 
 
 def wait_until(come: Callable[[], bool], what: str) -> None:

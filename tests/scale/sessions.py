@@ -68,7 +68,7 @@ def end(session: SparkSession) -> None:
     """Ends a session and its Java machine, so that nothing of it is left to later tests."""
     from pyspark import SparkContext  # noqa: PLC0415
 
-    gateway = session.sparkContext._gateway  # noqa: SLF001
+    gateway = session.sparkContext._gateway
     session.stop()
     gateway.shutdown()
     # Java ends when its standard input does.
@@ -78,7 +78,7 @@ def end(session: SparkSession) -> None:
     except subprocess.TimeoutExpired:
         gateway.proc.kill()
         gateway.proc.wait()
-    SparkContext._gateway = SparkContext._jvm = None  # noqa: SLF001
+    SparkContext._gateway = SparkContext._jvm = None
     # py4j leaves the sockets of its threads to the collector, which warns of each.
     del gateway
     with warnings.catch_warnings():

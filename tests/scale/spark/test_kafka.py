@@ -81,14 +81,10 @@ def test_json_in_findings_out(
         names=["time", "signal", "value"],
     )
     as_sent = table.set_column(0, "time", table["time"].cast(pa.timestamp("ns", "UTC")))
-    alone = feeding.by_one_machine(
-        nominal_model, Log.from_arrow(as_sent), end_ns - 120 * SECOND
-    )
+    alone = feeding.by_one_machine(nominal_model, Log.from_arrow(as_sent), end_ns - 120 * SECOND)
     assert len(alone) > 10
     assert lines == alone
-    stored = spark.read.format("jdbc").options(
-        url=url, dbtable="findings", driver="org.h2.Driver"
-    )
+    stored = spark.read.format("jdbc").options(url=url, dbtable="findings", driver="org.h2.Driver")
     assert sorted(row["finding"] for row in stored.load().select("finding").collect()) == sorted(
         [*alone, unreadable]
     )

@@ -43,7 +43,7 @@ def test_an_executor(spark: SparkSession, nominal_model: NominalModel, tmp_path:
     try:
         checkpoint = tmp_path / "checkpoint"
         killing.wait_until(lambda: killing.committed(checkpoint) >= 3, "the third micro-batch")
-        first, second = killing.executors(spark)
+        first, _ = killing.executors(spark)
         killing.kill(first)
         assert watching.wait(killing.PATIENCE_S)
         assert first not in killing.executors(spark)

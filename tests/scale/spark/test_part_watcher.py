@@ -98,7 +98,7 @@ def test_rows_of_one_time_stand_by_partition(nominal_model: NominalModel) -> Non
     together.batch(by_partition)
     for piece in by_partition:
         apart.batch([piece], newest_ns=0)
-        apart._newest_ns = 0  # noqa: SLF001
+        apart._newest_ns = 0
     end_ns = last_ns(log) + SILENCE_NS
     assert together.end(end_ns) == apart.end(end_ns)
 

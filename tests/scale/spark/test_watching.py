@@ -48,7 +48,9 @@ def test_disorder_silence_and_several_plants(
     # Two plants by one model: each finds its own, and a third has none.
     broken = {"north": simulated(seed=2, fault=2), "south": simulated(seed=3, fault=9)}
     end_ns = max(map(feeding.last_ns, broken.values())) + SILENCE_NS
-    rows = [feeding.rows_of(log, plant, number) for number, (plant, log) in enumerate(broken.items())]
+    rows = [
+        feeding.rows_of(log, plant, number) for number, (plant, log) in enumerate(broken.items())
+    ]
     rows.append(feeding.rows_of(simulated(seed=4).slice(0, 20), "east", 2))
     together = feeding.disordered(pa.concat_tables(rows), 9.0)
     feeding.write(tmp_path / "in", [*feeding.cut(together, 3), feeding.heartbeat(end_ns)])
@@ -120,4 +122,3 @@ def test_a_stream_that_is_no_change_log(
     stream = spark.readStream.schema(columns).parquet(str(tmp_path / "in"))
     with pytest.raises(InputError, match=told):
         watch(stream, nominal_model, ParquetSink("out"), checkpoint=str(tmp_path / "checkpoint"))
-

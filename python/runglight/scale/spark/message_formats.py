@@ -181,9 +181,7 @@ def _names(texts: list[bytes | None]) -> tuple[Any, Any]:
         return names(encoded.cast(pa.string())), None
     except pa.ArrowInvalid:
         decoded = [None if text is None else _utf8(text) for text in texts]
-        bad = [
-            text is not None and name is None for text, name in zip(texts, decoded, strict=True)
-        ]
+        bad = [text is not None and name is None for text, name in zip(texts, decoded, strict=True)]
         return names(decoded), np.array(bad)
 
 

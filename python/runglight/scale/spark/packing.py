@@ -82,10 +82,7 @@ class Packer:
             rows += self._chunks(heard)
         columns = zip(*rows, strict=True)
         yield pa.RecordBatch.from_arrays(
-            [
-                pa.array(column, field.type)
-                for column, field in zip(columns, _ARROW, strict=True)
-            ],
+            [pa.array(column, field.type) for column, field in zip(columns, _ARROW, strict=True)],
             schema=_ARROW,
         )
 

@@ -1,4 +1,4 @@
-"""One part of a plant, from one micro-batch to the next: waits for order, judges, says when to wake.
+"""One part of a plant from one micro-batch to the next: waits for order, judges, sets its alarm.
 
 Nothing here knows Spark. What it returns depends on what it is given alone, so that a batch that
 is run again after a crash gives the same findings.

@@ -39,10 +39,10 @@ class ParquetSink:
         temporary = f"{self.directory}/.{name}.part"
         findings.coalesce(1).write.mode("overwrite").parquet(temporary)
         session = findings.sparkSession
-        java = session._jvm  # noqa: SLF001
+        java = session._jvm
         path = java.org.apache.hadoop.fs.Path
         source, target = path(temporary), path(f"{self.directory}/{name}")
-        system = source.getFileSystem(session._jsparkSession.sessionState().newHadoopConf())  # noqa: SLF001
+        system = source.getFileSystem(session._jsparkSession.sessionState().newHadoopConf())
         system.delete(target, True)
         if not system.rename(source, target):
             raise OSError(f"{target}: could not be renamed from {temporary}")
