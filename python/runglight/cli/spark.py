@@ -11,4 +11,13 @@ application = App(
     help_format="markdown",
     default_parameter=Parameter(negative="", show_default=False),
 )
-application.command("runglight.cli.spark_watch:spark_watch", name="watch")
+application.command(
+    "runglight.cli.spark_watch:spark_watch",
+    name="watch",
+    help="Watch a stream of changes: a Kafka topic, or a growing directory.",
+)
+application.command(
+    "runglight.cli.spark_feed:spark_feed",
+    name="feed",
+    help="Send the changes of a machine to a Kafka topic.",
+)

@@ -12,7 +12,7 @@ import pyarrow as pa
 from runglight.log.changelog import Log
 from runglight.model import NominalModel, learn
 from runglight.scale.spark import JdbcSink, KafkaSink, ParquetSink, from_kafka, watch
-from runglight.scale.spark.message_formats import encode_binary
+from runglight.scale.wire import encode_binary
 from tests.conftest import simulated
 from tests.scale import feeding
 from tests.scale.broker import Broker
