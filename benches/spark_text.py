@@ -24,16 +24,18 @@ def page(result: dict[str, Any]) -> str:
         "",
         f"{machine['cores']} cores ({machine['processor']}), {machine['memory_gb']} GB, Python "
         f"{machine['python']}, PySpark 4.0.0, Java 17; load when it ended: "
-        f"{', '.join(f'{each:.1f}' for each in machine['load'])}. Driver, executors and (for topics) "
-        "the broker share these cores, so two workers are not twice one.",
+        f"{', '.join(f'{each:.1f}' for each in machine['load'])}. Driver, executors and (for "
+        "topics) the broker share these cores, so two workers are not twice one.",
         "",
-        f"Body shop `{result['plant']}`, {result['events']:,} events of which one in 500 is missing, "
-        f"{result['findings']:,} findings, {result['parts']} parts. Rates are of the micro-batches "
-        "after the first, from Spark's own progress: reading, judging, state and checkpoint. "
+        f"Body shop `{result['plant']}`, {result['events']:,} events of which one in 500 is "
+        f"missing, "
+        f"{result['findings']:,} findings, {result['parts']} parts. Rates are of the "
+        "micro-batches after the first, from Spark's own progress: reading, judging, state "
+        "and checkpoint. "
         "Processor time is that of the driver, the executors and their Python workers together.",
         "",
-        "| stream | workers | events in a micro-batch | events/s | processor us per event | findings "
-        "equal to one machine's |",
+        "| stream | workers | events in a micro-batch | events/s | processor us per event "
+        "| findings equal to one machine's |",
         "|---|---|---|---|---|---|",
         f"| one process, no Spark (judging alone) | | {result['events']:,} | "
         f"{1e6 / single_us:,.0f} | {single_us:.2f} | |",
@@ -61,8 +63,9 @@ def _cost(measured: list[dict[str, Any]], single_us: float) -> list[str]:
     cores = rate * event_us / 1e6 + batch_s / EVERY_S
     times = event_us / single_us
     lines = [
-        f"By the two sizes of micro-batch (one worker, Parquet): **{batch_s:.2f} s of processor for a "
-        f"micro-batch, however small, and {event_us:.2f} us for an event**, {times:.0f} times the "
+        f"By the two sizes of micro-batch (one worker, Parquet): **{batch_s:.2f} s of processor "
+        f"for a micro-batch, however small, and {event_us:.2f} us for an event**, {times:.0f} "
+        f"times the "
         f"{single_us:.2f} us that judging it costs. The rest is Spark's: reading, handing rows to "
         "Python and back, the shuffle. A micro-batch without events took "
         f"{narrow['empty_batch_s']:.1f} s.",
@@ -74,9 +77,10 @@ def _cost(measured: list[dict[str, Any]], single_us: float) -> list[str]:
         f"busy; with half of them idle for peaks, **{math.ceil(2 * cores)} cores** from Parquet. "
         + " ".join(_topic(measured, name, batch_s, rate) for name in ("binary", "JSON")),
         "",
-        f"One process without Spark needs {rate * single_us / 1e6:.2f} cores to judge the same. This "
-        "is a projection from one machine, not a run of a cluster: the cost of an event is taken to "
-        "stay what it is here, the cost of a micro-batch grows with the number of partitions, and "
+        f"One process without Spark needs {rate * single_us / 1e6:.2f} cores to judge the same. "
+        "This is a projection from one machine, not a run of a cluster: the cost of an event is "
+        "taken to stay what it is here, the cost of a micro-batch grows with the number of "
+        "partitions, and "
         "the network between computers is not in it.",
     ]
     return lines
