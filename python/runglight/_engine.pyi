@@ -88,6 +88,8 @@ class Monitor:
     @property
     def now_ns(self) -> int | None:
         """The newest time observed or advanced to; rows before it are refused."""
+    def begin(self, time_ns: int, image: bool) -> None:
+        """The plant's rows begin at a time, or go on after a gap, whichever part they are of; before the next row."""
     def gap(self, start_ns: int, end_ns: int) -> Findings:
         """Nothing was recorded between two times: resynchronise instead of alarming."""
     def advance(self, now_ns: int) -> Findings:
@@ -171,6 +173,17 @@ class NominalModel:
     def cycle(self) -> CycleModel | None:
         """The cycle machine, where one was learned."""
     def monitor(self, state: bytes | None = None) -> Monitor: ...
+    @property
+    def groups(self) -> list[str]:
+        """Names of the groups, in the plant's order."""
+    def groups_of(self, signals: Sequence[str]) -> list[str | None]:
+        """The group of each signal of a log; None where the (whole) model has none."""
+    def independent_groups(self) -> list[list[str]]:
+        """Groups that must stay together, and need no others."""
+    def part(self, groups: Sequence[str]) -> NominalModel:
+        """Some groups, judged as in the whole model. Raises InputError."""
+    @property
+    def is_part(self) -> bool: ...
     def confirm(self, finding_json: str) -> int:
         """Folds a finding's path into the model; returns the number of new transitions."""
 

@@ -15,10 +15,12 @@ from runglight.errors import InputError
 from runglight.findings.batch import Findings
 from runglight.log.changelog import Log
 from runglight.log.symbols import read_symbols
+from runglight.moments import nanoseconds
 from runglight.monitoring import MonitorVerbs
 from runglight.strictly import convert
 
 if TYPE_CHECKING:
+    from datetime import datetime
     from os import PathLike
 
 ROWS_AT_ONCE = 1 << 18
@@ -41,6 +43,17 @@ class Monitor(MonitorVerbs[_engine.Monitor]):
     def observe_image(self, time_ns: Any, signal_index: Any, value: Any) -> Findings:
         """Takes bound signals as they stand after a start or a gap; nothing is judged by it."""
         return Findings(self._engine.observe_image(time_ns, signal_index, value))
+
+    def begin(self, time: datetime | int, *, image: bool) -> None:
+        """The plant's rows begin at a time, or go on there after a gap: said to a part of a model.
+
+        The rows at the very first time of a log are an image of the plant where any of them is 0
+        (`image`), and else events. A monitor finds that in the first rows it sees; those of a part
+        may come later than the plant's. Say it before the first row of the log, and after
+        `gap` (where `image` means nothing) before the next row, with the time of the first row of
+        any part (aware datetime, or nanoseconds since 1970).
+        """
+        self._engine.begin(nanoseconds(time), image)
 
     @property
     def now_ns(self) -> int | None:
@@ -102,6 +115,46 @@ class NominalModel:
     def monitor(self, state: bytes | None = None) -> Monitor:
         """A monitor at its start, or where another one's `state()` left off."""
         return Monitor(self._engine.monitor(state))
+
+    @property
+    def groups(self) -> list[str]:
+        """Names of the groups, in the plant's order."""
+        return self._engine.groups
+
+    def groups_of(self, signals: Sequence[str]) -> list[str | None]:
+        """The group of each signal of a log, by its name there; None where no signal is called so.
+
+        What no group knows is told by the part that holds the plant's first group.
+        """
+        return self._engine.groups_of(list(signals))
+
+    def parts(self) -> list[list[str]]:
+        """Groups that can be watched apart: lists of those that must stay together.
+
+        One list per group, but for groups whose transitions wait for another's events; all groups
+        in one list where the model has a cycle machine, which watches the whole plant.
+        """
+        return self._engine.independent_groups()
+
+    def part(self, groups: Sequence[str]) -> NominalModel:
+        """Some of the groups as a model of their own, to be watched somewhere else.
+
+        It judges as the whole model does: what all monitors of a plant's parts tell, put together,
+        is what one monitor of the whole model tells of the same rows. Each needs the rows of its
+        own groups only (rows of other parts are passed over), `begin` where the log's first row is
+        not its own, `advance` to learn how far time has come, and `gap` where nothing was recorded;
+        a gap told to several parts is one finding with one id.
+
+        A part is watched with, not saved or changed. Raises InputError for a group that is not
+        there, for groups that `parts()` keeps together, and for a model with a cycle machine.
+        """
+        names = [groups] if isinstance(groups, str) else list(groups)
+        return NominalModel(self._engine.part(names))
+
+    @property
+    def is_part(self) -> bool:
+        """True for what `part` gives."""
+        return self._engine.is_part
 
     def watch(self, log: Log) -> Iterator[dict[str, Any]]:
         """The findings of a whole log, one dictionary each."""

@@ -243,6 +243,13 @@ impl JointMonitor {
         Ok(self.placed(findings))
     }
 
+    /// The plant's rows begin, or go on after a gap, see [`Monitor::begin`].
+    pub fn begin(&mut self, time: Nanoseconds, image: bool) {
+        if let Some(signal_state) = &mut self.signal_state {
+            signal_state.begin(time, image);
+        }
+    }
+
     /// The newest time that was observed or advanced to; None before the first.
     pub fn now(&self) -> Option<Nanoseconds> {
         match (&self.signal_state, &self.cycle) {

@@ -12,6 +12,7 @@ pub mod joint;
 pub mod log;
 pub mod naming;
 pub mod plant;
+pub mod plant_part;
 pub mod process;
 mod saved_state;
 pub mod signal_state;

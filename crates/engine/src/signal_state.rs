@@ -21,6 +21,7 @@ pub mod monitor;
 pub mod oddity;
 pub mod order;
 pub mod parameters;
+pub mod part;
 pub mod rules;
 pub mod shares;
 pub mod sisters;

@@ -156,6 +156,7 @@ impl PyMonitor {
                     value,
                 }));
                 self.number(&mut rows, &keys, &batch.names);
+                self.naming.keep_own(&mut rows);
                 self.monitor.take_rows(&rows)?;
             }
         }

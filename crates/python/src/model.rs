@@ -12,7 +12,7 @@ use serde_json::{Value, json};
 use runglight_engine::cycle::model::CycleModel;
 use runglight_engine::finding::{Finding, time_text};
 use runglight_engine::joint::learn::learn as learn_both;
-use runglight_engine::log::{ChangeLog, SECOND};
+use runglight_engine::log::{ChangeLog, SECOND, SignalIndex};
 use runglight_engine::signal_state::chains::ChainIndex;
 use runglight_engine::signal_state::model::NominalModel;
 use runglight_engine::signal_state::parameters::Parameters;
@@ -23,7 +23,7 @@ use runglight_formats::rules_table;
 use crate::change_log::PyChangeLog;
 use crate::cycle::{CycleSettings, PyCycleModel};
 use crate::errors;
-use crate::monitor::PyMonitor;
+use crate::monitor::{ELSEWHERE, PyMonitor, Share};
 use crate::stream;
 
 /// What was learned of a plant.
@@ -32,6 +32,8 @@ pub struct PyNominalModel {
     model: Arc<NominalModel>,
     cycle: Option<Arc<CycleModel>>,
     provenance: Provenance,
+    /// Where this is a part of a model.
+    share: Option<Arc<Share>>,
 }
 
 /// The rules of a model as an Arrow table.
@@ -152,6 +154,11 @@ impl PyNominalModel {
     }
 
     fn save(&self, py: Python<'_>, directory: &str) -> PyResult<()> {
+        if self.model.is_part() {
+            return Err(errors::input(
+                "a part of a model cannot be saved by itself; save the whole model",
+            ));
+        }
         py.detach(|| {
             let cycle = self.cycle.as_deref();
             model_directory::save(&self.model, cycle, &self.provenance, Path::new(directory))
@@ -202,7 +209,90 @@ impl PyNominalModel {
 
     #[pyo3(signature = (state = None))]
     fn monitor(&self, state: Option<&[u8]>) -> PyResult<PyMonitor> {
-        PyMonitor::new(Arc::clone(&self.model), self.cycle.clone(), state).map_err(errors::input)
+        let model = Arc::clone(&self.model);
+        let monitor = match &self.share {
+            Some(share) => PyMonitor::of_part(model, Arc::clone(share), state),
+            None => PyMonitor::new(model, self.cycle.clone(), state),
+        };
+        monitor.map_err(errors::input)
+    }
+
+    #[getter]
+    fn groups(&self) -> Vec<&str> {
+        self.model.plant.groups.iter().map(|group| group.name.as_str()).collect()
+    }
+
+    fn independent_groups(&self) -> Vec<Vec<&str>> {
+        let name = |group: usize| self.model.plant.groups[group].name.as_str();
+        if self.cycle.is_some() {
+            return vec![self.groups()];
+        }
+        let parts = self.model.independent_groups();
+        parts.into_iter().map(|part| part.into_iter().map(name).collect()).collect()
+    }
+
+    fn groups_of(&self, signals: Vec<String>) -> Vec<Option<&str>> {
+        let whole = self.share.as_ref().map_or(&self.model, |share| &share.whole);
+        let found = whole.symbols().find_all(&whole.plant, signals.iter().map(String::as_str));
+        let group = |signal: SignalIndex| {
+            let device = whole.plant.device_of(signal);
+            whole.plant.groups[device.group].name.as_str()
+        };
+        found.into_iter().map(|signal| signal.map(group)).collect()
+    }
+
+    #[getter]
+    fn is_part(&self) -> bool {
+        self.model.is_part()
+    }
+
+    fn part(&self, py: Python<'_>, groups: Vec<String>) -> PyResult<Self> {
+        if self.model.is_part() {
+            return Err(errors::input("this is a part of a model already; cut the whole model"));
+        }
+        let mut numbers = Vec::with_capacity(groups.len());
+        for name in &groups {
+            numbers.push(
+                self.model
+                    .plant
+                    .find_group(name)
+                    .ok_or_else(|| errors::input(format!("the model has no group '{name}'")))?,
+            );
+        }
+        if numbers.is_empty() {
+            return Err(errors::input(
+                "a part needs a group at least; name one of the model's groups",
+            ));
+        }
+        if self.cycle.is_some() {
+            return Err(errors::input(
+                "this model has a cycle machine, which watches the whole plant; it has no parts",
+            ));
+        }
+        for together in self.model.independent_groups() {
+            let inside = together.iter().filter(|group| numbers.contains(group)).count();
+            if inside > 0 && inside < together.len() {
+                let name = |group: &usize| self.model.plant.groups[*group].name.as_str();
+                let names: Vec<&str> = together.iter().map(name).collect();
+                return Err(errors::input(format!(
+                    "the groups {} wait for one another; keep them in one part",
+                    names.join(", ")
+                )));
+            }
+        }
+        let (model, part) = py.detach(|| self.model.part(&numbers));
+        let mut own = vec![ELSEWHERE; self.model.plant.signals.len()];
+        for (number, &signal) in (0..).zip(&part.signals) {
+            own[signal as usize] = number;
+        }
+        let tells_unknown = numbers.contains(&0);
+        let share = Share { whole: Arc::clone(&self.model), own, tells_unknown };
+        Ok(Self {
+            model: Arc::new(model),
+            cycle: None,
+            provenance: self.provenance.clone(),
+            share: Some(Arc::new(share)),
+        })
     }
 
     fn confirm(&mut self, finding_json: &str) -> PyResult<usize> {
@@ -234,7 +324,12 @@ pub fn learn(
     let (model, cycle) =
         py.detach(|| learn_both(&logs, &table, &parameters, spec)).map_err(errors::input)?;
     let provenance = Provenance { created: now_text(), source };
-    Ok(PyNominalModel { model: Arc::new(model), cycle: cycle.map(Arc::new), provenance })
+    Ok(PyNominalModel {
+        model: Arc::new(model),
+        cycle: cycle.map(Arc::new),
+        provenance,
+        share: None,
+    })
 }
 
 /// Loads a model directory.
@@ -242,7 +337,12 @@ pub fn learn(
 pub fn load_model(py: Python<'_>, directory: &str) -> PyResult<PyNominalModel> {
     let (model, cycle, provenance) =
         py.detach(|| model_directory::load(Path::new(directory))).map_err(errors::model)?;
-    Ok(PyNominalModel { model: Arc::new(model), cycle: cycle.map(Arc::new), provenance })
+    Ok(PyNominalModel {
+        model: Arc::new(model),
+        cycle: cycle.map(Arc::new),
+        provenance,
+        share: None,
+    })
 }
 
 /// The present time, ISO 8601 UTC.

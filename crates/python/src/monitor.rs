@@ -44,6 +44,21 @@ pub enum Naming {
     Plant(Arc<NominalModel>),
     /// Those of the bits of a cycle machine that is watched alone.
     Bits(HashMap<String, SignalIndex>),
+    /// The part's, found by the whole plant's names.
+    Part(Arc<Share>),
+}
+
+/// A signal of another part: its rows are none of this monitor's business.
+pub const ELSEWHERE: SignalIndex = SignalIndex::MAX - 1;
+
+/// What a part of a plant knows of the whole.
+pub struct Share {
+    /// The whole model.
+    pub whole: Arc<NominalModel>,
+    /// The part's number of each signal of the whole plant, or [`ELSEWHERE`].
+    pub own: Vec<SignalIndex>,
+    /// Whether it tells of signals that no part knows: that with the plant's first group does.
+    pub tells_unknown: bool,
 }
 
 impl Naming {
@@ -52,6 +67,21 @@ impl Naming {
         match self {
             Self::Plant(model) => model.symbols().find_all(&model.plant, symbols),
             Self::Bits(bits) => symbols.map(|symbol| bits.get(symbol).copied()).collect(),
+            Self::Part(share) => {
+                let found = share.whole.symbols().find_all(&share.whole.plant, symbols);
+                let nobodys = (!share.tells_unknown).then_some(ELSEWHERE);
+                found
+                    .into_iter()
+                    .map(|s| s.map_or(nobodys, |s| Some(share.own[s as usize])))
+                    .collect()
+            }
+        }
+    }
+
+    /// Leaves out rows of other parts.
+    pub fn keep_own(&self, rows: &mut Vec<Row>) {
+        if matches!(self, Self::Part(_)) {
+            rows.retain(|row| row.signal != ELSEWHERE);
         }
     }
 }
@@ -67,6 +97,19 @@ impl PyMonitor {
             None => JointMonitor::new(Arc::clone(&model), cycle),
         };
         Ok(Self::with(monitor, Naming::Plant(model)))
+    }
+
+    /// A part of a plant.
+    pub fn of_part(
+        model: Arc<NominalModel>,
+        share: Arc<Share>,
+        state: Option<&[u8]>,
+    ) -> Result<Self, MonitorError> {
+        let monitor = match state {
+            Some(bytes) => JointMonitor::restore(model, None, bytes)?,
+            None => JointMonitor::new(model, None),
+        };
+        Ok(Self::with(monitor, Naming::Part(share)))
     }
 
     /// The cycle machine alone.
@@ -106,6 +149,7 @@ impl PyMonitor {
             };
             rows.push(Row { time, signal, value });
         }
+        self.naming.keep_own(&mut rows);
         Ok(rows)
     }
 
@@ -146,6 +190,7 @@ impl PyMonitor {
                 signal: numbers[signal as usize],
                 value,
             }));
+            self.naming.keep_own(&mut chunk);
             self.monitor.take_rows(&chunk)?;
         }
         Ok(())
@@ -202,6 +247,10 @@ impl PyMonitor {
 
     fn gap(&mut self, start_ns: i64, end_ns: i64) -> PyFindings {
         self.monitor.gap(start_ns, end_ns).into()
+    }
+
+    fn begin(&mut self, time_ns: i64, image: bool) {
+        self.monitor.begin(time_ns, image);
     }
 
     fn advance(&mut self, py: Python<'_>, now_ns: i64) -> PyFindings {

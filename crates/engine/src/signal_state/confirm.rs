@@ -32,6 +32,12 @@ pub enum ConfirmError {
         /// What the model lacks.
         what: String,
     },
+    /// A part of a model.
+    #[error("a part of a model cannot be changed by itself; confirm finding {id} on the whole one")]
+    Part {
+        /// The finding's id.
+        id: String,
+    },
 }
 
 impl NominalModel {
@@ -45,6 +51,9 @@ impl NominalModel {
             let kind = serde_json::to_string(&finding.kind).unwrap_or_default();
             let kind = kind.trim_matches('"').to_owned();
             return Err(ConfirmError::NoPath { id: finding.id.clone(), kind });
+        }
+        if self.is_part() {
+            return Err(ConfirmError::Part { id: finding.id.clone() });
         }
         let other = |what: String| ConfirmError::OtherPlant { id: finding.id.clone(), what };
         let group = finding.group.as_deref().unwrap_or_default();

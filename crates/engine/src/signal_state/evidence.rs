@@ -6,6 +6,7 @@
 //! ([`super::oddity`]). The same mass over *rare* time clusters says how probable an odd time is.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use crate::timing::TimeCluster;
 use crate::timing::limits::BODY_INSTANCES;
@@ -106,6 +107,14 @@ impl Oddity {
 /// Unseen mass per chain and family, from which that of states and rules follows.
 #[derive(Debug, Clone)]
 pub struct Evidence {
+    of_plant: Arc<OfPlant>,
+    /// In a part of a plant, by chain: its number in the whole one; none in the whole one.
+    whole_chain: Option<Arc<[ChainIndex]>>,
+}
+
+/// What a whole plant tells.
+#[derive(Debug)]
+struct OfPlant {
     /// Of leaving a state: in devices, in groups.
     leaving: [Oddity; 2],
     /// By character.
@@ -169,7 +178,17 @@ impl Evidence {
             };
             clusters.into_iter().filter_map(weight).collect()
         });
-        Self { leaving, times, shares, shapes, of_families, resolution_s }
+        let of_plant = OfPlant { leaving, times, shares, shapes, of_families, resolution_s };
+        Self { of_plant: Arc::new(of_plant), whole_chain: None }
+    }
+
+    /// The same, asked for by the chains of a part of the plant.
+    pub fn of_part(&self, whole_chain: &[ChainIndex]) -> Self {
+        Self { of_plant: Arc::clone(&self.of_plant), whole_chain: Some(whole_chain.into()) }
+    }
+
+    fn whole(&self, chain: ChainIndex) -> ChainIndex {
+        self.whole_chain.as_ref().map_or(chain, |whole| whole[chain])
     }
 
     /// Probability that a healthy machine leaves `state` in a way not seen yet.
@@ -187,14 +206,14 @@ impl Evidence {
             draws: row.iter().map(Rule::evidence).sum::<u64>() as f64,
             ..Tally::default()
         };
-        let oddity = &self.leaving[usize::from(kind == ChainKind::Group)];
-        tally.unseen(oddity.at(chain, names.of_state(state, kind)))
+        let oddity = &self.of_plant.leaving[usize::from(kind == ChainKind::Group)];
+        tally.unseen(oddity.at(self.whole(chain), names.of_state(state, kind)))
     }
 
     /// True where a transition waits for something nobody knows, so that another device's delay
     /// may be its own.
     pub fn is_open_wait(&self, rule: &Rule) -> bool {
-        Character::of(rule, self.resolution_s) == Character::OpenWait
+        Character::of(rule, self.of_plant.resolution_s) == Character::OpenWait
     }
 
     /// Probability that a transition of a healthy machine takes `time_s`, which lies outside all
@@ -226,17 +245,19 @@ impl Evidence {
             draws: rule.evidence() as f64,
             ..Tally::default()
         };
-        let character = Character::of(rule, self.resolution_s);
+        let character = Character::of(rule, self.of_plant.resolution_s);
         let family = names.of_rule(rule);
-        let shares = &self.shares[usize::from(character == Character::OpenWait)];
-        let odd = tally.unseen(self.times[character as usize].at(rule.chain, family));
+        let shares = &self.of_plant.shares[usize::from(character == Character::OpenWait)];
+        let odd = tally
+            .unseen(self.of_plant.times[character as usize].at(self.whole(rule.chain), family));
         (odd, shares.unseen(rule, family, first))
     }
 
     /// Shapes of the times of a rule's kind, as its sisters show them.
     pub fn shapes(&self, rule: &Rule, names: Names<'_>) -> Shapes {
-        let character = Character::of(rule, self.resolution_s) as usize;
-        let (shapes, of_families) = (&self.shapes[character], &self.of_families[character]);
+        let character = Character::of(rule, self.of_plant.resolution_s) as usize;
+        let of_plant = &self.of_plant;
+        let (shapes, of_families) = (&of_plant.shapes[character], &of_plant.of_families[character]);
         let family = names.of_rule(rule);
         let found = of_families.binary_search_by_key(&family, |&(family, _)| family);
         found.map_or(*shapes, |at| shapes.weighted(of_families[at].1))
@@ -244,7 +265,7 @@ impl Evidence {
 
     /// Shapes of times since the device's own event where another's enables it.
     pub fn shapes_without_trigger(&self) -> &Shapes {
-        &self.shapes[Character::OpenWait as usize]
+        &self.of_plant.shapes[Character::OpenWait as usize]
     }
 }
 

@@ -57,6 +57,8 @@ pub struct NominalModel {
     /// Made for the second monitor; from then on every one begins with a copy.
     lanes: OnceLock<Lanes>,
     watched: OnceLock<()>,
+    fingerprint: OnceLock<u64>,
+    is_part: bool,
 }
 
 /// "Learned from the longest nominal pause": this many times it.
@@ -94,7 +96,43 @@ impl NominalModel {
             symbols: OnceLock::new(),
             lanes: OnceLock::new(),
             watched: OnceLock::new(),
+            fingerprint: OnceLock::new(),
+            is_part: false,
         }
+    }
+
+    /// A model of some of the rules, judged as in this one.
+    pub(super) fn cut(
+        &self,
+        plant: Plant,
+        states: States,
+        rules: Vec<Rule>,
+        learned: Learned,
+        (table, chains, evidence): (RuleTable, Chains, Evidence),
+    ) -> Self {
+        Self {
+            plant,
+            states,
+            rules,
+            learned,
+            parameters: self.parameters.clone(),
+            table,
+            chains,
+            evidence,
+            budget: self.budget,
+            tail: self.tail,
+            symbols: OnceLock::new(),
+            lanes: OnceLock::new(),
+            watched: OnceLock::new(),
+            fingerprint: OnceLock::new(),
+            is_part: true,
+        }
+    }
+
+    /// True where this is a part of a model: what it rests on is the whole one's, so it is neither
+    /// saved nor changed by itself.
+    pub fn is_part(&self) -> bool {
+        self.is_part
     }
 
     /// What tells sisters.
@@ -223,6 +261,10 @@ impl NominalModel {
 
     /// Changes whenever the model does; a monitor's saved state names the model it belongs to.
     pub fn fingerprint(&self) -> u64 {
+        *self.fingerprint.get_or_init(|| self.hash())
+    }
+
+    fn hash(&self) -> u64 {
         let mut hash = xxhash_rust::xxh3::Xxh3::new();
         for signal in &self.plant.signals {
             hash.update(signal.symbol.as_bytes());

@@ -155,6 +155,22 @@ impl Monitor {
         Found::new(Arc::clone(&self.model), std::mem::take(&mut self.records))
     }
 
+    /// The plant's rows begin at `time`, or go on after a gap: for a part of it, whose own rows may
+    /// come later. `image` says whether the rows of a log's very first time are an image of the
+    /// plant ([`is_image`](super::events::is_image)); after a gap they always are.
+    ///
+    /// Without it, a monitor takes the first rows it sees for the first of the plant.
+    pub fn begin(&mut self, time: Nanoseconds, image: bool) {
+        if !self.watch.started {
+            self.watch.started = true;
+            self.watch.resynchronise = image;
+        }
+        if self.watch.resynchronise {
+            self.watch.begins = Some(time);
+            self.resume_clocks(time);
+        }
+    }
+
     /// Takes rows that say how signals stand, not that they changed: what a live source reads
     /// first after its start or a gap, or when it meets a signal.
     ///
@@ -170,6 +186,7 @@ impl Monitor {
         if std::mem::replace(&mut self.watch.resynchronise, false) {
             self.resume_clocks(last.time);
         }
+        self.watch.begins = None;
         self.watch.started = true;
         self.watch.now = last.time;
         for &row in rows {
@@ -219,6 +236,7 @@ impl Monitor {
         }
         watch.next_deadline = Nanoseconds::MAX;
         watch.resynchronise = true;
+        watch.begins = None;
         watch.values.doubt();
         self.lanes.forget_entries();
         let finding = message::gap(start, end);

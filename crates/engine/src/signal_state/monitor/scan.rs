@@ -95,9 +95,10 @@ impl Monitor {
             let of_first_time = rows.iter().take_while(|row| row.time == first.time);
             self.watch.resynchronise = is_image(of_first_time.map(|row| row.value));
         }
-        let resynchronise_until = self.watch.resynchronise.then_some(first.time);
+        let begins = self.watch.begins.take().unwrap_or(first.time);
+        let resynchronise_until = self.watch.resynchronise.then_some(begins);
         if std::mem::replace(&mut self.watch.resynchronise, false) {
-            self.resume_clocks(first.time);
+            self.resume_clocks(begins);
         }
         let known = self.model.plant.signals.len() as SignalIndex;
         let mut events = 0;

@@ -50,6 +50,8 @@ pub(super) struct Watch {
     pub(super) now: Nanoseconds,
     pub(super) started: bool,
     pub(super) resynchronise: bool,
+    /// Where it is told: when the plant's rows began, or went on after a gap.
+    pub(super) begins: Option<Nanoseconds>,
     pub(super) further: Vec<(SignalIndex, i64)>,
     /// Signals nobody learned, and whether that has been said.
     pub(super) unknown_signals: Vec<(String, bool)>,
@@ -78,6 +80,7 @@ impl Watch {
             now: Nanoseconds::MIN,
             started: false,
             resynchronise: false,
+            begins: None,
             further: Vec::new(),
             unknown_signals: Vec::new(),
             snapshots: Vec::new(),
