@@ -2,6 +2,8 @@
 
 #![allow(clippy::expect_used, reason = "a test that cannot go on says why")]
 
+use std::sync::Arc;
+
 use proptest::prelude::*;
 
 use runglight_engine::log::{ChangeLog, ChangeLogBuilder, Gap, SECOND};
@@ -67,12 +69,12 @@ fn survey_of(rows: &[Row], gaps: &[Gap], piece: usize, places: bool) -> Survey {
     all
 }
 
-fn lessons_of(context: &Context, rows: &[Row], places: bool) -> Vec<Lesson> {
+fn lessons_of(context: &Arc<Context>, rows: &[Row], places: bool) -> Vec<Lesson> {
     let signals: Vec<(&str, usize)> = context.signals().collect();
     let groups: Vec<&str> = context.groups().collect();
     // Backwards: they may come as they like.
     let lesson = |group: usize| {
-        let mut learner = Learner::new(context, group).expect("the group is there");
+        let mut learner = Learner::new(Arc::clone(context), group).expect("the group is there");
         for (place, &(time, name, value)) in (0..).zip(rows) {
             let signal = signals.iter().position(|(symbol, _)| *symbol == name).expect("surveyed");
             if signals[signal].1 == group {
@@ -95,9 +97,9 @@ fn in_parts(
     let survey = survey_of(rows, gaps, piece, places);
     let context = Context::of(&survey, &SymbolTable::default(), parameters);
     let context = context.map_err(|error| error.to_string())?;
-    let context = Context::restore(&context.save()).expect("own bytes");
+    let context = Arc::new(Context::restore(&context.save()).expect("own bytes"));
     let lessons = lessons_of(&context, rows, places);
-    merge(context, lessons).map_err(|error| error.to_string())
+    merge(&context, lessons).map_err(|error| error.to_string())
 }
 
 proptest! {
@@ -154,31 +156,34 @@ fn small() -> Vec<Row> {
 fn lessons_that_do_not_fit_are_refused() {
     let rows = small();
     let survey = survey_of(&rows, &[], 7, false);
-    let context =
-        Context::of(&survey, &SymbolTable::default(), &Parameters::default()).expect("rows");
+    let context = Context::of(&survey, &SymbolTable::default(), &Parameters::default())
+        .map(Arc::new)
+        .expect("rows");
     let lessons = lessons_of(&context, &rows, false);
-    let of = |lessons: &[Lesson]| merge(context.clone(), lessons.to_vec()).map(|model| model.rules);
+    let of = |lessons: &[Lesson]| merge(&context, lessons.to_vec()).map(|model| model.rules);
     assert!(of(&lessons).is_ok());
     assert_eq!(of(&lessons[..1]), Err(MergeError::Missing { group: "G".to_owned() }));
     let doubled = [lessons[0].clone(), lessons[0].clone()];
     assert_eq!(of(&doubled), Err(MergeError::Stranger { group: 1 }));
-    let empty = [0, 1].map(|group| Learner::new(&context, group).expect("a group").learn());
+    let empty =
+        [0, 1].map(|group| Learner::new(Arc::clone(&context), group).expect("a group").learn());
     assert_eq!(of(&empty), Err(MergeError::Learn(LearnError::NoEvents)));
 }
 
 #[test]
 fn rows_that_do_not_fit_are_refused() {
     let survey = survey_of(&small(), &[], 100, false);
-    let context =
-        Context::of(&survey, &SymbolTable::default(), &Parameters::default()).expect("rows");
-    let mut learner = Learner::new(&context, 0).expect("a group");
+    let context = Context::of(&survey, &SymbolTable::default(), &Parameters::default())
+        .map(Arc::new)
+        .expect("rows");
+    let mut learner = Learner::new(Arc::clone(&context), 0).expect("a group");
     let group = || "G".to_owned();
     learner.add([(5, 0, 1, None)].into_iter()).expect("fits");
     let older = learner.add([(4, 0, 0, None)].into_iter());
     assert_eq!(older, Err(LessonError::Order { row: 2, group: group() }));
     let strange = learner.add([(6, 1, 0, None)].into_iter());
     assert_eq!(strange, Err(LessonError::Stranger { row: 2, group: group() }));
-    let beyond = Learner::new(&context, 2).map(|_| ());
+    let beyond = Learner::new(Arc::clone(&context), 2).map(|_| ());
     assert_eq!(beyond, Err(LessonError::Group { group: 2, groups: 2 }));
 }
 

@@ -7,6 +7,7 @@ mod cycle;
 mod errors;
 mod findings;
 mod identify;
+mod lessons;
 mod model;
 mod monitor;
 mod process;
@@ -27,6 +28,9 @@ fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<cycle::PyCycleModel>()?;
     module.add_class::<findings::PyFindings>()?;
     module.add_class::<identify::PyIdentification>()?;
+    module.add_class::<lessons::PyGroupLearner>()?;
+    module.add_class::<lessons::PyLearningContext>()?;
+    module.add_class::<lessons::PyLogSurvey>()?;
     module.add_class::<model::PyNominalModel>()?;
     module.add_class::<model::PyRules>()?;
     module.add_class::<monitor::PyMonitor>()?;

@@ -1,5 +1,7 @@
 //! What one group teaches, learned from its rows alone.
 
+use std::sync::Arc;
+
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
@@ -118,8 +120,8 @@ impl Lesson {
 
 /// Gathers the rows of one group, in time order, and learns from them.
 #[derive(Debug)]
-pub struct Learner<'a> {
-    context: &'a Context,
+pub struct Learner {
+    context: Arc<Context>,
     group: usize,
     part: PlantPart,
     log: ChangeLog,
@@ -127,12 +129,12 @@ pub struct Learner<'a> {
     places: Vec<i64>,
 }
 
-impl<'a> Learner<'a> {
+impl Learner {
     /// A learner of one group, by number.
     ///
     /// # Errors
     /// A group that is not there.
-    pub fn new(context: &'a Context, group: usize) -> Result<Self, LessonError> {
+    pub fn new(context: Arc<Context>, group: usize) -> Result<Self, LessonError> {
         let groups = context.plant.groups.len();
         if group >= groups {
             return Err(LessonError::Group { group, groups });
@@ -141,6 +143,11 @@ impl<'a> Learner<'a> {
         let signals = part.plant.signals.iter().map(|signal| signal.symbol.clone()).collect();
         let log = ChangeLog { signals, ..ChangeLog::default() };
         Ok(Self { context, group, part, log, places: Vec::new() })
+    }
+
+    /// The number of its group.
+    pub fn group(&self) -> usize {
+        self.group
     }
 
     /// Takes rows in time order: time, number of the signal in the whole plant, value, and the

@@ -36,8 +36,8 @@ pub enum MergeError {
 ///
 /// # Errors
 /// A group with no lesson, or two; lessons without any event.
-pub fn merge(context: Context, lessons: Vec<Lesson>) -> Result<NominalModel, MergeError> {
-    let mut plant = context.plant;
+pub fn merge(context: &Context, lessons: Vec<Lesson>) -> Result<NominalModel, MergeError> {
+    let mut plant = context.plant.clone();
     let groups = plant.groups.len();
     let mut of_group: Vec<Option<Lesson>> = (0..groups).map(|_| None).collect();
     for lesson in lessons {
@@ -88,7 +88,7 @@ pub fn merge(context: Context, lessons: Vec<Lesson>) -> Result<NominalModel, Mer
     // Those of one time and place are of one signal, so of one group, and in its order already.
     rules.sort_by_key(|(first, _)| *first);
     let rules = (0..).zip(rules).map(|(sequence, (_, rule))| Rule { sequence, ..rule }).collect();
-    Ok(NominalModel::assemble(plant, states, rules, learned, context.parameters))
+    Ok(NominalModel::assemble(plant, states, rules, learned, context.parameters.clone()))
 }
 
 /// Every number a lesson holds must lead somewhere.
