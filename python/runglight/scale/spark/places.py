@@ -1,0 +1,83 @@
+"""Streams and sinks as the command line names them.
+
+kafka://HOST:PORT[,HOST:PORT…]/TOPIC[,TOPIC…][?option=value]     options are those of Spark
+DIRECTORY or parquet:DIRECTORY                                    also hdfs://, s3a://, …
+jdbc:…                                                            findings only
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+from urllib.parse import parse_qsl, unquote, urlsplit
+
+from runglight.errors import InputError
+from runglight.scale.spark.frames import OPTIONAL
+from runglight.scale.spark.kafka import Format, KafkaChanges, from_kafka
+from runglight.scale.spark.sinks import FindingSink, JdbcSink, KafkaSink, ParquetSink
+
+if TYPE_CHECKING:
+    from pyspark.sql import DataFrame, SparkSession
+
+KAFKA = "kafka://"
+_PARQUET = "parquet:"
+_JDBC = "jdbc:"
+
+
+@dataclass(frozen=True)
+class Topic:
+    """A Kafka topic, where it is, and what Spark shall know about it."""
+
+    servers: str
+    topic: str
+    options: dict[str, str]
+
+
+def topic_of(place: str) -> Topic:
+    """Takes `kafka://…` apart; raises InputError."""
+    url = urlsplit(place)
+    topic = unquote(url.path.strip("/"))
+    if not url.netloc or not topic:
+        raise InputError(f"{place}: write it like {KAFKA}broker:9092/topic")
+    return Topic(unquote(url.netloc), topic, dict(parse_qsl(url.query)))
+
+
+def stream_of(
+    spark: SparkSession,
+    place: str,
+    format: Format,
+    starting: str,
+    rows_at_once: int,
+    *,
+    plant_by_key: bool,
+) -> DataFrame | KafkaChanges:
+    """A topic, or a directory that Parquet files of changes are put into."""
+    if place.startswith(KAFKA):
+        topic = topic_of(place)
+        return from_kafka(
+            spark,
+            topic.servers,
+            topic.topic,
+            format,
+            starting=starting,
+            plant_by_key=plant_by_key,
+            rows_at_once=rows_at_once,
+            **topic.options,
+        )
+    directory = place.removeprefix(_PARQUET)
+    schema = spark.read.parquet(directory).schema
+    frame = spark.readStream.schema(schema).parquet(directory)
+    wanted = [name for name in ("time", "signal", "value", *OPTIONAL) if name in frame.columns]
+    return frame.select(*wanted)
+
+
+def sink_of(place: str) -> FindingSink:
+    """Where findings go."""
+    if place.startswith(KAFKA):
+        topic = topic_of(place)
+        return KafkaSink(topic.servers, topic.topic, topic.options)
+    if place.startswith(_JDBC):
+        # The table is a part of its own: the address belongs to the driver.
+        url, _, table = place.partition("#")
+        return JdbcSink(url, table or "findings")
+    return ParquetSink(place.removeprefix(_PARQUET))
