@@ -196,6 +196,9 @@ def learn(
 ) -> NominalModel:
     """Learns from fault-free logs. `symbols_csv` is the text of a symbol table; `source` says where they are from; `cycle_json` holds `modes`, `regions` and `cycle` where a cycle machine is wanted."""
 
+def log_columns(names: Sequence[str]) -> list[str | None]:
+    """The names among these of the columns of times, signals and values, as readers know them."""
+
 class LogSurvey:
     """What learning must know of a whole log; surveys of its pieces merge, in any order."""
 

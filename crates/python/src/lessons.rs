@@ -216,3 +216,10 @@ impl PyGroupLearner {
         Some(PyBytes::new(py, &lesson))
     }
 }
+
+/// The names among these of the columns that hold times, signals and values.
+#[pyfunction]
+pub fn log_columns(names: Vec<String>) -> Vec<Option<String>> {
+    let found = runglight_formats::columns_of_changes(&names);
+    found.into_iter().map(|place| place.map(|place| names[place].clone())).collect()
+}

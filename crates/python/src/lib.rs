@@ -51,6 +51,7 @@ fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(identify::read_events, module)?)?;
     module.add_function(wrap_pyfunction!(identify::split_name, module)?)?;
     module.add_function(wrap_pyfunction!(identify::sweep_tau, module)?)?;
+    module.add_function(wrap_pyfunction!(lessons::log_columns, module)?)?;
     module.add_function(wrap_pyfunction!(model::learn, module)?)?;
     module.add_function(wrap_pyfunction!(model::load_model, module)?)?;
     module.add_function(wrap_pyfunction!(process::event_log::event_log, module)?)?;
