@@ -14,14 +14,9 @@ from runglight.identification.events import read_events
 from runglight.server.policy import policy
 from tests.identification.machine import EPOCH, EVENTS, conveyor_log
 from tests.server.conftest import COMMAND, TestClient, serving
-from tests.server.photographed import Photographed, photographed
+from tests.server.photographed import Photographed
 
 pytest.importorskip("skimage")
-
-
-@pytest.fixture(scope="module")
-def machine(tmp_path_factory: pytest.TempPathFactory) -> Photographed:
-    return photographed(tmp_path_factory.mktemp("identify") / "line3")
 
 
 @pytest.fixture
@@ -57,7 +52,7 @@ def conveyor(client: TestClient) -> dict[str, Any]:
 
 def test_the_list_says_where_photos_are(client: TestClient, machine: Photographed) -> None:
     listed = {each["name"]: each for each in client.get("/api/identify").json()}
-    assert listed["line3"]["photos"] == machine.photos
+    assert listed["line3"]["photos"] == len(machine.photos_ns)
     assert listed["conveyor.csv"] | {"id": ""} == {
         "id": "",
         "name": "conveyor.csv",
@@ -68,7 +63,7 @@ def test_the_list_says_where_photos_are(client: TestClient, machine: Photographe
 
 def test_photos_are_bytes_that_a_browser_keeps(client: TestClient, machine: Photographed) -> None:
     told = opened(client, "line3")
-    assert len(told["photos"]) == machine.photos
+    assert len(told["photos"]) == len(machine.photos_ns)
     time_ns = int(told["origin_ns"]) + told["photos"][7]
     address = f"/api/identify/{told['id']}/photos/{time_ns}"
     photo = client.get(address)

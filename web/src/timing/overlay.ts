@@ -21,6 +21,8 @@ export interface Expected {
 export interface Marker {
   time: number;
   label: string;
+  /** Name of its colour; red where it is left out. */
+  ink?: string;
 }
 
 export interface Golden {

@@ -160,7 +160,7 @@ function over(context: CanvasRenderingContext2D, scene: Scene, css: Css): void {
   }
   for (const marker of scene.markers) {
     const x = toPixel(view, width, marker.time);
-    if (x >= -1 && x <= width + 1) drawLine(context, x, height, css("--red"), marker.label);
+    if (x >= -1 && x <= width + 1) drawLine(context, x, height, css(marker.ink ?? "--red"), marker.label);
   }
   if (scene.cursorA !== null) {
     drawLine(context, toPixel(view, width, scene.cursorA), height, css("--accent"), "A", false, 16);
