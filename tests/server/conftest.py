@@ -14,6 +14,7 @@ from runglight.model import load_model
 from runglight.server.application import application
 from runglight.server.policy import Policy, policy
 from runglight.server.workshop import Workshop
+from tests.server.photographed import Photographed, photographed
 
 with warnings.catch_warnings():
     # Starlette would rather have a successor of httpx that has yet to settle.
@@ -47,6 +48,12 @@ def serving(directory: Path, chosen: Policy | None = None) -> Iterator[TestClien
     workshop = Workshop(directory, chosen or policy())
     with TestClient(application(workshop), base_url="http://127.0.0.1:8470") as client:
         yield client
+
+
+@pytest.fixture(scope="session")
+def machine(tmp_path_factory: pytest.TempPathFactory) -> Photographed:
+    """The bottling machine with its photos; whoever writes into it copies it first."""
+    return photographed(tmp_path_factory.mktemp("identify") / "line3")
 
 
 @pytest.fixture

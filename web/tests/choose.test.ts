@@ -3,8 +3,9 @@ import type { Signal } from "../src/api/types";
 import { pastedRows, wrongRows } from "../src/recordings/symbols";
 import { parseAddress, hashOf } from "../src/shell/address";
 import { bytes, length } from "../src/shell/time";
-import { branches, isWord, moved, searched } from "../src/timing/choose";
+import { branches, isWord, searched } from "../src/timing/choose";
 import { svgOf } from "../src/timing/export_svg";
+import { rowsOf } from "../src/timing/rows";
 import { savedViews, withSaved } from "../src/timing/saved";
 import { lane } from "./lanes";
 
@@ -25,12 +26,10 @@ function signal(at: number, device: string, name: string): Signal {
 }
 const SIGNALS = [signal(0, "A", "RET"), signal(1, "B", "RET"), signal(2, "A", "ADV")];
 
-it("signals are sorted into devices, searched and moved", () => {
+it("signals are sorted into devices and searched", () => {
   expect(branches(SIGNALS).map((branch) => branch.signals.length)).toEqual([2, 1]);
   expect(searched(SIGNALS, "a ret").map((each) => each.lane)).toEqual([0]);
   expect(searched(SIGNALS, "ix0.2").map((each) => each.lane)).toEqual([2]);
-  expect(moved([1, 2, 3], 0, 2)).toEqual([2, 3, 1]);
-  expect(moved([1, 2, 3], 2, -5)).toEqual([3, 1, 2]);
   expect(isWord({ ...SIGNALS[0]!, high: 7 })).toBe(true);
 });
 
@@ -45,7 +44,7 @@ it("views are kept, and what is no view is not read", () => {
 
 it("a drawing holds every signal and no markup of theirs", () => {
   const odd = [{ ...SIGNALS[0]!, signal: "<script>" }, { ...SIGNALS[1]!, high: 9 }];
-  const svg = svgOf(odd, () => lane([0, 0], [500, 7]), { from: 0, until: 1000 }, 0n, "t & t");
+  const svg = svgOf(rowsOf(odd), () => lane([0, 0], [500, 7]), { from: 0, until: 1000 }, 0n, "t & t");
   expect(svg).not.toContain("<script>");
   expect(svg).toContain("t &#38; t");
   expect(svg).toContain(">7</text>");

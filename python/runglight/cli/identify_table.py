@@ -13,6 +13,7 @@ from rich.table import Table
 from rich.text import Text
 
 from runglight.cli.counted import counted
+from runglight.identification.verdict import verdict
 from runglight.moments import iso
 
 if TYPE_CHECKING:
@@ -66,7 +67,7 @@ def print_found(console: Console, found: Identification, events: Events, rows: i
             f"{len(found) - len(shown):,} more: --rows {len(found)}, or --format csv",
             soft_wrap=True,
         )
-    console.print(Text(_verdict(found)), soft_wrap=True)
+    console.print(Text(verdict(found)), soft_wrap=True)
 
 
 def print_agreement(console: Console, found: Identification, agreed: Identification) -> None:
@@ -136,22 +137,6 @@ def _name(candidate: Candidate) -> Text:
 
 def _agreement(candidate: Candidate) -> str:
     return "" if candidate.agreement is None else f"{candidate.agreement:.4f}"
-
-
-def _verdict(found: Identification) -> str:
-    first = found.first()
-    if not first:
-        return "no signal changes: record the machine while it works"
-    kinds = {each.same_as for each in first}
-    names = ", ".join(each.address for each in first[:6]) + (", …" if len(first) > 6 else "")
-    if len(first) == 1:
-        return f"best: {names}"
-    if len(kinds) == 1:
-        return f"best: {names}: they change at the same moments, and are copies of one another here"
-    return (
-        f"best: {names}: equal scores, but not the same moments; "
-        "declare more events, or take another tau or view"
-    )
 
 
 def _windows(found: Identification) -> list[bool]:

@@ -4,17 +4,45 @@ from __future__ import annotations
 
 import csv
 import io
-from pathlib import Path
+from typing import TYPE_CHECKING
 
 from runglight import _engine
 from runglight.errors import InputError
 from runglight.log.symbols import read_symbols
+from runglight.nearest import suggestion
 from runglight.replacing import replacing
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from runglight.identification.subject import Subject
 
 COLUMNS = ("address", "group", "device", "signal", "class", "type", "description")
 
 
-def accept(table: Path, address: str, name: str, naming: str, type: str = "") -> str | None:
+def found_in(subject: Subject, address: str, where: str) -> tuple[str, int | None]:
+    """The signal an address is, and the bit of it; InputError where the log has no such address."""
+    found = subject.log.engine.find_address(address)
+    if found is None:
+        near = suggestion(address, subject.log.signals)
+        raise InputError(f"{where}: the log has no address {address!r}{near}")
+    return found
+
+
+def type_in(subject: Subject, signal: str, bit: int | None) -> str:
+    """The type of what `found_in` found: as the recording says, else by the values."""
+    if bit is not None:
+        return "BOOL"
+    if signal in subject.types:
+        return subject.types[signal]
+    _, signals, values = subject.log.columns()
+    of_signal = values[signals == subject.log.signals.index(signal)]
+    return "INT" if ((of_signal < 0) | (of_signal > 1)).any() else "BOOL"
+
+
+def accept(  # noqa: PLR0917
+    table: Path, address: str, name: str, naming: str, type: str = "", where: str = "--name"
+) -> str | None:
     """Calls an address by a name in a symbol table, which is made where there is none.
 
     All other rows stay as they are, and so do the other columns of the row. Returns the name the
@@ -23,7 +51,7 @@ def accept(table: Path, address: str, name: str, naming: str, type: str = "") ->
     """
     split = _engine.split_name(naming, name)
     if split is None:
-        raise InputError(f"--name: {name!r} does not fit the naming rule {naming}")
+        raise InputError(f"{where}: {name!r} does not fit the naming rule {naming}")
     parts = dict(zip(("group", "device", "signal"), split, strict=True))
     text = read_symbols(table) if table.exists() else ",".join(COLUMNS) + "\n"
     delimiter = next((known for known in ";\t," if known in text.partition("\n")[0]), ",")

@@ -19,6 +19,8 @@ if TYPE_CHECKING:
 
 Kind = Literal["recording", "log", "model"]
 LOG_ENDINGS = (".csv", ".parquet", ".xes", ".vcd")
+EVENTS = ".events.csv"
+"""Events that were declared for a log: `line3.events.csv` beside `line3.csv`."""
 NO_LOGS = frozenset({"symbols.csv", "events.csv"})
 DEEP = 2
 """Directories within directories that are looked into."""
@@ -92,7 +94,8 @@ def _kind(path: Path) -> Kind | None:
         if is_recording(path):
             return "recording"
         return "model" if (path / "manifest.json").is_file() else None
-    if path.suffix.lower() in LOG_ENDINGS and path.name.lower() not in NO_LOGS:
+    name = path.name.lower()
+    if path.suffix.lower() in LOG_ENDINGS and not (name in NO_LOGS or name.endswith(EVENTS)):
         return "log"
     return None
 

@@ -44,7 +44,7 @@ class Diagrams:
 
     async def of(self, item: Item) -> Diagram:
         """The diagram of a recording or a log; InputError where it cannot be read."""
-        key = (item.id, _changed_at(item.path))
+        key = (item.id, changed_at(item.path))
         if key in self._kept:
             self._kept.move_to_end(key)
             return self._kept[key]
@@ -82,7 +82,7 @@ class Diagrams:
         )
 
 
-def _changed_at(path: Path) -> float:
+def changed_at(path: Path) -> float:
     """When what is read of a path last changed."""
     if path.is_file():
         return path.stat().st_mtime

@@ -23,6 +23,10 @@ COMMAND_HEADER = "x-runglight"
 COOKIE = "runglight"
 SESSION_PATH = "/api/session"
 UPLOAD_PATH = "/api/uploads"
+QUESTION_PATHS = frozenset(
+    {"/api/identify/ranking", "/api/identify/sweep", "/api/identify/proposal"}
+)
+"""Posted because they are too long for an address; they change nothing, also for readers."""
 COMMAND_BYTES = 4_000_000
 """Largest body of what is no upload: symbol tables are the longest."""
 
@@ -107,7 +111,7 @@ class Guard:
             return refusal(403, f"the request comes from {origin}, not from this page")
         if headers.get(COMMAND_HEADER) is None:
             return refusal(403, "commands need the header X-Runglight; any value will do")
-        if self._policy.read_only and path != SESSION_PATH:
+        if self._policy.read_only and path != SESSION_PATH and path not in QUESTION_PATHS:
             return refusal(403, "this server is read-only; it was started with --read-only")
         announced = headers.get("content-length", "0")
         if not announced.isdecimal() or int(announced) > self._limit(path):
@@ -171,4 +175,5 @@ def _add_headers(headers: MutableHeaders, path: str) -> None:
     worker = path.startswith("/assets/") and "worker" in path
     headers["content-security-policy"] = WORKER_POLICY if worker else PAGE_POLICY
     if path.startswith("/api/"):
-        headers["cache-control"] = "no-store"
+        # Only photos say otherwise: they never change.
+        headers.setdefault("cache-control", "no-store")

@@ -22,6 +22,7 @@ from runglight.server.incidents import Incidents
 from runglight.server.lights import DeviceLight, GroupLight, lit, trouble, worst
 from runglight.server.live_watch import LiveWatch
 from runglight.server.places import Place, places_of_log, places_of_model
+from runglight.server.subjects import Subjects
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
@@ -80,6 +81,7 @@ class Workshop:
             tell=self._tell, begun=self._begun, show=self._show, say=self.say, clock=clock
         )
         self.diagrams = Diagrams(self.configuration.log)
+        self.subjects = Subjects(self.configuration.log)
         self._live_places: list[Place] = []
         self._last_signal: dict[str, tuple[int, str]] = {}
 
@@ -87,6 +89,7 @@ class Workshop:
         """Reads the set-up and begins to watch; InputError where the set-up cannot be used."""
         self.configuration = self._load_configuration()
         self.diagrams = Diagrams(self.configuration.log)
+        self.subjects = Subjects(self.configuration.log)
         self.model_item = self._choose_model()
         if self.model_item is not None:
             self.model = await asyncio.to_thread(load_model, self.model_item.path)

@@ -12,6 +12,7 @@ export const VIEWS: View[] = [
   { id: "live", title: "Live", key: "1", load: () => import("../live/LiveView.svelte") },
   { id: "timing", title: "Timing", key: "2", load: () => import("../timing/TimingView.svelte") },
   { id: "model", title: "Model", key: "3", load: () => import("../model/ModelView.svelte") },
+  { id: "identify", title: "Identify", key: "5", load: () => import("../identify/IdentifyView.svelte") },
   {
     id: "recordings",
     title: "Recordings",

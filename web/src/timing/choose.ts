@@ -33,11 +33,3 @@ export function searched(signals: Signal[], text: string): Signal[] {
 export function isWord(signal: Signal): boolean {
   return signal.type !== "BOOL" || signal.low < 0 || signal.high > 1;
 }
-
-/** The list with one entry moved to another place. */
-export function moved<T>(list: T[], from: number, to: number): T[] {
-  const copy = [...list];
-  const [entry] = copy.splice(from, 1);
-  if (entry !== undefined) copy.splice(Math.max(0, Math.min(to, copy.length)), 0, entry);
-  return copy;
-}

@@ -1,8 +1,8 @@
 // The diagram as a drawing for a report.
 
-import type { Signal } from "../api/types";
 import { moment, ticks } from "./axis";
 import { isWord } from "./choose";
+import type { Row } from "./rows";
 import type { Lane } from "./spans";
 import { spanAt } from "./spans";
 import type { View } from "./view";
@@ -13,25 +13,28 @@ const ROW = 24;
 const TOP = 30;
 
 export function svgOf(
-  signals: Signal[],
+  rows: Row[],
   laneOf: (lane: number) => Lane | undefined,
   view: View,
   originNs: bigint,
   title: string,
   width = 1000,
 ): string {
-  const height = TOP + signals.length * ROW + 10;
+  const height = TOP + rows.length * ROW + 10;
   const parts: string[] = [];
   for (const tick of ticks(view, width, originNs)) {
     const x = LABELS + toPixel(view, width, tick.time);
     parts.push(`<path d="M${x.toFixed(1)} ${TOP}V${height - 10}" stroke="#e0e2e1"/>`);
     parts.push(`<text x="${(x + 3).toFixed(1)}" y="24" fill="#555c62">${tick.label}</text>`);
   }
-  signals.forEach((signal, row) => {
-    const top = TOP + row * ROW + 4;
-    parts.push(`<text x="4" y="${top + 12}">${escaped(`${signal.device} ${signal.signal}`)}</text>`);
-    const lane = laneOf(signal.lane);
-    if (lane) parts.push(isWord(signal) ? word(lane, view, width, top) : bit(lane, view, width, top));
+  rows.forEach((row, number) => {
+    const top = TOP + number * ROW + 4;
+    const signal = row.signals[0]!;
+    const named = row.folded ? `${row.device} (${row.signals.length})` : `${signal.device} ${signal.signal}`;
+    parts.push(`<text x="4" y="${top + 12}">${escaped(named)}</text>`);
+    const lanes = row.signals.flatMap((each) => laneOf(each.lane) ?? []);
+    if (row.folded) parts.push(changes(lanes, view, width, top));
+    else if (lanes[0]) parts.push((isWord(signal) ? word : bit)(lanes[0], view, width, top));
   });
   const from = moment(originNs, view.from);
   return [
@@ -66,6 +69,16 @@ function bit(lane: Lane, view: View, width: number, top: number): string {
     path += `${path ? "L" : "M"}${left.toFixed(1)} ${y}H${right.toFixed(1)}`;
   }
   return `${busy}<path d="${path}" fill="none" stroke="#23282c"/>`;
+}
+
+function changes(lanes: Lane[], view: View, width: number, top: number): string {
+  let path = `M${LABELS} ${top + 16}h${width}`;
+  for (const lane of lanes) {
+    for (const [at, left] of visible(lane, view, width)) {
+      if (at > 0 && lane.start[at]! >= view.from) path += `M${left.toFixed(1)} ${top}v16`;
+    }
+  }
+  return `<path d="${path}" fill="none" stroke="#23282c"/>`;
 }
 
 function word(lane: Lane, view: View, width: number, top: number): string {

@@ -1,27 +1,38 @@
-// A golden cycle: one sound passing of the machine, to be laid over the others.
+// A golden cycle: one sound passing of the machine, to be laid over others, also over those of
+// another recording.
 
 import { get, getBytes } from "../api/client";
 import type { Signal, Source } from "../api/types";
+import { moment } from "./axis";
+import type { Golden } from "./overlay";
 import type { Lane } from "./spans";
 import { unpack } from "./spans";
 import type { View } from "./view";
 
 export interface GoldenCycle {
-  lanes: Map<number, Lane>;
+  /** By what a signal is called: lanes are other ones in another recording. */
+  lanes: Map<string, Lane>;
   from: number;
   until: number;
   /** The signal whose rises begin a cycle. */
-  lane: number;
+  start: string;
+  sourceName: string;
+  /** When it began, for people. */
+  began: string;
 }
 
 const COLUMNS = 4000;
 const MOST_LANES = 400;
 
+export function nameOf(signal: Signal): string {
+  return [signal.group, signal.device, signal.signal].join("\n");
+}
+
 /** The cycle around the middle of a view, from one rise of a signal to the next; null without. */
 export async function goldenCycle(
   source: Source,
   start: Signal,
-  signals: Signal[],
+  shown: Signal[],
   view: View,
 ): Promise<GoldenCycle | null> {
   const middle = Math.round((view.from + view.until) / 2);
@@ -29,22 +40,40 @@ export async function goldenCycle(
   if (from === null) return null;
   const until = await rise(source, start, from, 1);
   if (until === null) return null;
-  const lanes = signals.slice(0, MOST_LANES).map((signal) => signal.lane);
+  // Those in sight first: others may be looked at later, here or in another recording.
+  const signals = [...new Set([...shown, ...source.signals])].slice(0, MOST_LANES);
   const query = new URLSearchParams({
     origin: source.origin_ns,
     from: String(from - 1),
     until: String(until),
     columns: String(COLUMNS),
-    lanes: lanes.join(),
+    lanes: signals.map((signal) => signal.lane).join(),
   });
   const { bytes } = await getBytes(`/api/sources/${source.id}/window?${query}`);
   const unpacked = unpack(bytes);
   return {
     from,
     until,
-    lane: start.lane,
-    lanes: new Map(lanes.map((lane, index) => [lane, unpacked[index]!])),
+    start: nameOf(start),
+    sourceName: source.name,
+    began: moment(BigInt(source.origin_ns), from).slice(11, 19),
+    lanes: new Map(signals.map((signal, index) => [nameOf(signal), unpacked[index]!])),
   };
+}
+
+/** The cycle as it is laid over a source's lanes; null where the signal that begins it is missing. */
+export function laidOver(
+  golden: GoldenCycle,
+  signals: Signal[],
+): (Omit<Golden, "starts"> & { lane: number }) | null {
+  const start = signals.find((signal) => nameOf(signal) === golden.start);
+  if (!start) return null;
+  const lanes = new Map<number, Lane>();
+  for (const signal of signals) {
+    const lane = golden.lanes.get(nameOf(signal));
+    if (lane) lanes.set(signal.lane, lane);
+  }
+  return { lanes, from: golden.from, until: golden.until, lane: start.lane };
 }
 
 async function rise(

@@ -1,6 +1,8 @@
 // What lies over the waves: cursors, what was expected, a golden cycle. Drawn with the canvas's own
 // strokes, because there are few of them.
 
+import type { Signal } from "../api/types";
+import { isWord } from "./choose";
 import type { Lane } from "./spans";
 import { spanAt } from "./spans";
 import type { View } from "./view";
@@ -19,6 +21,8 @@ export interface Expected {
 export interface Marker {
   time: number;
   label: string;
+  /** Name of its colour; red where it is left out. */
+  ink?: string;
 }
 
 export interface Golden {
@@ -39,16 +43,19 @@ const FADED = 0.9;
 export function drawGolden(
   context: CanvasRenderingContext2D,
   golden: Golden,
-  lane: number,
+  signal: Signal,
   row: RowBox,
   view: View,
   width: number,
   colour: string,
 ): void {
-  const spans = golden.lanes.get(lane);
+  const spans = golden.lanes.get(signal.lane);
   if (!spans) return;
+  const word = isWord(signal);
   context.save();
-  context.strokeStyle = colour;
+  context.strokeStyle = context.fillStyle = colour;
+  context.textAlign = "right";
+  context.textBaseline = "middle";
   context.setLineDash([4, 2]);
   context.globalAlpha = FADED;
   const { high, low } = levels(row);
@@ -66,6 +73,14 @@ export function drawGolden(
       const y = spans.value[at] ? high : low;
       const left = Math.round(toPixel(view, width, time + shift)) + 0.5;
       const right = Math.round(toPixel(view, width, next + shift)) + 0.5;
+      if (word) {
+        // Its boxes are there already: dashed edges, and what it would hold.
+        context.moveTo(left, high);
+        context.lineTo(left, low);
+        const text = String(spans.value[at]);
+        if (right - left > text.length * 7 + 8) context.fillText(text, right - 4, row.top + row.height / 2);
+        continue;
+      }
       if (drawing) context.lineTo(left, y);
       else context.moveTo(left, y);
       drawing = true;

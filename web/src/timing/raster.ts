@@ -100,6 +100,21 @@ export function drawWord(pixels: Pixels, lane: Lane, view: View, band: Band, ink
   });
 }
 
+/** All signals of a device in one row: a stroke wherever one of them changes. */
+export function drawFolded(pixels: Pixels, lanes: Lane[], view: View, band: Band, inks: Inks): void {
+  const { top, bottom, thick } = inside(band);
+  pixels.rectangle(0, bottom - thick, pixels.width, bottom, inks.unknown);
+  for (const lane of lanes) {
+    eachSpan(lane, view, pixels.width, (left, right, at, first) => {
+      if (!lane.known[at]) return;
+      if (lane.changes[at]) {
+        pixels.rectangle(left, top + thick, Math.max(right, left + thick), bottom, inks.busy);
+      }
+      if (!first) pixels.column(left, top + thick, bottom, thick, inks.wave);
+    });
+  }
+}
+
 /** Calls for every span in sight with its pixels; spans within one pixel are drawn as one. */
 function eachSpan(
   lane: Lane,

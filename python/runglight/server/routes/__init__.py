@@ -2,7 +2,16 @@
 
 from typing import TYPE_CHECKING
 
-from runglight.server.routes import incidents, live, models, recordings, session, setup, timing
+from runglight.server.routes import (
+    identify,
+    incidents,
+    live,
+    models,
+    recordings,
+    session,
+    setup,
+    timing,
+)
 
 if TYPE_CHECKING:
     from starlette.routing import Route
@@ -13,6 +22,7 @@ ROOMS: "list[list[Route]]" = [
     incidents.ROUTES,
     timing.ROUTES,
     models.ROUTES,
+    identify.ROUTES,
     recordings.ROUTES,
     setup.ROUTES,
 ]

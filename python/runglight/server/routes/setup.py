@@ -66,7 +66,7 @@ async def post_configuration(request: Request) -> Response:
 async def get_symbols(request: Request) -> Response:
     """The symbol table in force: the file, else what the model was learned with."""
     workshop = workshop_of(request)
-    path = _symbols_path(workshop)
+    path = symbols_path(workshop)
     if path.is_file():
         text = await asyncio.to_thread(path.read_text, "utf-8-sig")
     elif workshop.model is not None:
@@ -85,7 +85,7 @@ async def post_symbols(request: Request) -> Response:
     """Replaces the symbol table, and begins anew with it."""
     workshop = workshop_of(request)
     rows = (await body_of(request, Rows)).rows
-    path = _symbols_path(workshop)
+    path = symbols_path(workshop)
     _write(path, rows_text(rows))
     await workshop.reopen()
     return json_answer({"saved": path.name})
@@ -108,7 +108,8 @@ def _checked(workshop: Workshop, text: str) -> str:
     return whole
 
 
-def _symbols_path(workshop: Workshop) -> Path:
+def symbols_path(workshop: Workshop) -> Path:
+    """The symbol table, whether or not it is there yet."""
     table = workshop.configuration.symbols.table
     return Path(table) if table is not None else workshop.directory / "symbols.csv"
 

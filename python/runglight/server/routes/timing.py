@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from runglight.server.workshop import Workshop
 
 LIVE = "live"
+SEARCHED = ".searched"
+"""After an id: what identification searches, signals by address and every bit of every word."""
 MOST_COLUMNS = 20_000
 MOST_LANES = 500
 
@@ -65,11 +67,14 @@ async def source_of(workshop: Workshop, source_id: str) -> Source:
         places = workshop.live_signals()
         # The page keeps its place while the oldest minutes are forgotten.
         return Source(LIVE, "live", feed.diagram, places, 0, feed.until_ns, feed.gaps)
-    item = workshop.catalogue.item(source_id, "recording", "log")
-    diagram = await workshop.diagrams.of(item)
+    item = workshop.catalogue.item(source_id.removesuffix(SEARCHED), "recording", "log")
+    if source_id.endswith(SEARCHED):
+        diagram = await asyncio.to_thread((await workshop.subjects.of(item)).diagram)
+    else:
+        diagram = await workshop.diagrams.of(item)
     places = workshop.log_signals(diagram.signals, diagram.addresses)
     return Source(
-        item.id,
+        source_id,
         item.name,
         diagram.diagram,
         places,
