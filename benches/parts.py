@@ -103,6 +103,7 @@ def watch_part(model: NominalModel, groups: list[str], rows: Log, size: int) -> 
 
 
 def main() -> None:
+    """Prints one JSON object a line."""
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--size", default="main")
     parser.add_argument("--learn-events", type=int)
