@@ -34,6 +34,16 @@ def as_log(run: PlantRun) -> Log:
     return Log.from_arrow(pa.table({"time": time, "signal": names, "value": run.value}))
 
 
+def as_batch(log: Log) -> pa.Table:
+    """Arrow, with a dictionary of its own signals."""
+    time_ns, signal, value = log.columns()
+    used, keys = np.unique(signal, return_inverse=True)
+    names = pa.array(np.array(log.signals, object)[used])
+    coded = pa.DictionaryArray.from_arrays(pa.array(keys.astype(np.int32)), names)
+    time = pa.array(time_ns).cast(pa.timestamp("ns", "UTC"))
+    return pa.table({"time": time, "signal": coded, "value": value})
+
+
 def learn_in_parts(log: Log) -> dict[str, float]:
     """Times of the survey, of each group, and of putting the lessons together."""
     time_ns, signal, value = log.columns()
@@ -79,7 +89,9 @@ def watch_part(model: NominalModel, groups: list[str], rows: Log, size: int) -> 
     cut_s = perf_counter() - start
     state = part.monitor().state()
     restored_s = observed_s = saved_s = 0.0
-    calls = [rows.slice(at, size) for at in range(0, len(rows), size)][:400]
+    # A batch of a stream names the signals it has, not all of the plant.
+    slices = [rows.slice(at, size) for at in range(0, len(rows), size)][:400]
+    calls = [as_batch(each) for each in slices]
     for batch in calls:
         t0 = perf_counter()
         monitor = part.monitor(state=state)
