@@ -16,6 +16,9 @@ PAGE := python/runglight/server/page/index.html
 PAGE_SOURCES := $(shell find web/src web/public -type f) $(addprefix web/,index.html package.json package-lock.json svelte.config.js tsconfig.json vite.config.ts)
 # The page is built with Node 20 or newer; without it everything else works.
 HAS_NODE := $(shell node -e 'process.exit(parseInt(process.versions.node) >= 20 ? 0 : 1)' 2>/dev/null && npm --version >/dev/null 2>&1 && echo yes)
+# Spark runs on Java 17 or newer, and Maven fetches Kafka for its tests; without them they are skipped.
+HAS_JAVA := $(shell java -version 2>&1 | grep -Eq 'version "(1[7-9]|[2-9][0-9])' && command -v mvn >/dev/null && echo yes)
+SPARK := $(if $(HAS_JAVA),$(shell echo ,spark,kafka))
 ENGINE := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock
 
 .PHONY: help setup page demo test test-rust test-python test-page check check-page bench docs clean
@@ -43,7 +46,7 @@ web/node_modules/.package-lock.json: web/package-lock.json
 
 .venv/installed: pyproject.toml $(ENGINE)
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
-	$(BIN)/pip install -q -e ".[dev]"
+	$(BIN)/pip install -q -e ".[dev$(SPARK)]"
 	touch $@
 
 demo: page .venv/installed ## Learn a simulated cell, break it, name the fault, show the page

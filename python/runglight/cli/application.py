@@ -41,7 +41,7 @@ COMMANDS = {
     "mine": ("mine:mine", "Mine the net that the runs of a machine follow."),
     "predict": ("predict:application", "Foretell what comes next in a run: train, evaluate."),
     "control": ("control:application", "Run the learned controller, or beside the real one."),
-    "spark": ("spark:application", "Watch more than one machine can: the same engine on Spark."),
+    "spark": ("spark:application", "More than one machine can: the same engine on Spark."),
     "import": ("import_log:import_log", "Turn any log into a change log."),
     "export": ("export:export", "Write a log for another tool: CSV, Parquet, XES, VCD."),
     "simulate": ("simulate:application", "Write the log of a simulated plant, sound or broken."),

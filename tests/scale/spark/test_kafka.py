@@ -11,8 +11,8 @@ import pyarrow as pa
 
 from runglight.log.changelog import Log
 from runglight.model import NominalModel, learn
-from runglight.scale.spark import JdbcSink, KafkaSink, ParquetSink, from_kafka, watch
-from runglight.scale.spark.message_formats import encode_binary
+from runglight.scale import spark as on_spark
+from runglight.scale.wire import encode_binary
 from tests.conftest import simulated
 from tests.scale import feeding
 from tests.scale.broker import Broker
@@ -53,12 +53,12 @@ def test_json_in_findings_out(
         broker.send("cell", [(None, message) for message in sent], number)
 
     url = f"jdbc:h2:{tmp_path / 'database'};AUTO_SERVER=TRUE"
-    watching = watch(
-        from_kafka(spark, broker.servers, "cell", rows_at_once=500),
+    watching = on_spark.watch(
+        on_spark.from_kafka(spark, broker.servers, "cell", rows_at_once=500),
         nominal_model,
         [
-            KafkaSink(broker.servers, "findings"),
-            JdbcSink(url, options={"driver": "org.h2.Driver"}),
+            on_spark.KafkaSink(broker.servers, "findings"),
+            on_spark.JdbcSink(url, options={"driver": "org.h2.Driver"}),
         ],
         checkpoint=str(tmp_path / "checkpoint"),
         delay_s=120,
@@ -100,10 +100,10 @@ def test_a_model_is_replaced_on_the_way(
     messages = [(b"north", encode_binary(*row)) for row in changes(log)]
     broker.create("binary")
     broker.send("binary", messages[:half])
-    watching = watch(
-        from_kafka(spark, broker.servers, "binary", "binary", plant_by_key=True),
+    watching = on_spark.watch(
+        on_spark.from_kafka(spark, broker.servers, "binary", "binary", plant_by_key=True),
         {"north": nominal_model},
-        ParquetSink(str(tmp_path / "out")),
+        on_spark.ParquetSink(str(tmp_path / "out")),
         checkpoint=str(tmp_path / "checkpoint"),
         ahead_s=None,
     )

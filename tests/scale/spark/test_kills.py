@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from runglight.model import NominalModel
-from runglight.scale.spark import ParquetSink, watch
+from runglight.scale import spark as on_spark
 from tests.conftest import simulated
 from tests.scale import feeding, killing
 from tests.scale.feeding import SECOND
@@ -32,10 +32,10 @@ def prepared(directory: Path, model: NominalModel, pieces: int) -> list[str]:
 
 def test_an_executor(spark: SparkSession, nominal_model: NominalModel, tmp_path: Path) -> None:
     alone = prepared(tmp_path, nominal_model, 8)
-    watching = watch(
+    watching = on_spark.watch(
         feeding.stream(spark, tmp_path / "in"),
         nominal_model,
-        ParquetSink(str(tmp_path / "out")),
+        on_spark.ParquetSink(str(tmp_path / "out")),
         checkpoint=str(tmp_path / "checkpoint"),
         ahead_s=None,
         until_here=True,

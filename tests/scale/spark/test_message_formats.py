@@ -9,7 +9,8 @@ import pyarrow as pa
 import pytest
 
 from runglight.scale.spark.changes import Changes
-from runglight.scale.spark.message_formats import FORMATS, encode_binary
+from runglight.scale.spark.message_formats import FORMATS
+from runglight.scale.wire import GAP, Encoder, encode_binary, encode_json
 
 TIME_NS = 1_767_600_000_123_456_789
 ISO = "2026-01-05T08:00:00.123456789Z"
@@ -106,6 +107,13 @@ def test_binary_with_a_name_that_is_no_text() -> None:
     changes = read("binary", [encode_binary(TIME_NS, "A", 1), b"\0" * 16 + b"\xff"])
     assert rows(changes) == [(TIME_NS, "A", 1, "")]
     assert changes.unreadable == 1
+
+
+@pytest.mark.parametrize(("format", "encode"), [("json", encode_json), ("binary", encode_binary)])
+def test_what_is_written_is_read(format: str, encode: Encoder) -> None:
+    written = [(TIME_NS, "Grüße", 7), (TIME_NS, "", 0), (TIME_NS + 9, GAP, TIME_NS + 5)]
+    changes = read(format, [encode(*row) for row in written])
+    assert rows(changes) == [(at, name or None, value, "") for at, name, value in written]
 
 
 def test_arrow() -> None:

@@ -17,6 +17,7 @@ from runglight.scale.spark.opening import Opening
 from runglight.scale.spark.packing import Packer
 from runglight.scale.spark.part_watcher import MS, PartState, PartWatcher
 from runglight.scale.spark.shipped_model import ShippedModels, ship
+from runglight.scale.wire import GAP
 from tests.scale import feeding
 from tests.scale.feeding import SECOND
 
@@ -89,6 +90,34 @@ def test_a_group_that_has_stopped_before_the_stream_begins(
     batches = [[piece] for piece in feeding.cut(feeding.rows_of(half), 4)]
     alone = feeding.by_one_machine(model, half, end_ns - DELAY_NS)
     assert found(ship(model), [*batches, [feeding.heartbeat(end_ns)]]) == alone
+
+
+def test_a_gap_is_told_once_and_resynchronises_every_part(
+    shop: tuple[NominalModel, Log],
+) -> None:
+    model, log = shop
+    time_ns = log.columns()[0]
+    last, first = len(log) // 3, len(log) // 2
+    first = int(np.searchsorted(time_ns, time_ns[first]))
+    before, after = log.slice(0, last), log.slice(first)
+    start_ns, end_ns = int(time_ns[last - 1]), int(time_ns[first])
+    gap = feeding.heartbeat(end_ns)
+    gap = gap.set_column(1, "signal", pa.array([GAP])).set_column(
+        2, "value", pa.array([start_ns], pa.int64())
+    )
+    rows = [*feeding.cut(feeding.rows_of(before), 2)]
+    rows += [
+        pa.concat_tables([gap, piece]) if not number else piece
+        for number, piece in enumerate(feeding.cut(feeding.rows_of(after), 2))
+    ]
+    until_ns = feeding.last_ns(log) + 400 * SECOND
+    monitor = model.monitor()
+    alone = monitor.observe(before).json_lines() + monitor.gap(start_ns, end_ns).json_lines()
+    alone += monitor.observe(after).json_lines()
+    alone += monitor.advance(until_ns - DELAY_NS - 1).json_lines()
+    assert sum('"kind":"gap"' in line for line in alone) == 1
+    told = found(ship(model), [*([piece] for piece in rows), [feeding.heartbeat(until_ns)]])
+    assert told == sorted(alone)
 
 
 def test_what_cannot_be_read_travels_aside(nominal_model: NominalModel) -> None:

@@ -11,6 +11,7 @@ import pytest
 
 from runglight.errors import InputError
 from runglight.model import NominalModel
+from runglight.scale import spark as on_spark
 from tests.conftest import simulated
 from tests.scale import feeding
 from tests.scale.feeding import SECOND
@@ -25,12 +26,10 @@ def watched(
     spark: SparkSession, directory: Path, model: object, *, files_at_once: int = 1
 ) -> list[str]:
     """Findings of the files in `in`, all of them judged."""
-    from runglight.scale.spark import ParquetSink, watch  # noqa: PLC0415
-
-    watching = watch(
+    watching = on_spark.watch(
         feeding.stream(spark, directory / "in", files_at_once),
         model,  # type: ignore[arg-type]
-        ParquetSink(str(directory / "out")),
+        on_spark.ParquetSink(str(directory / "out")),
         checkpoint=str(directory / "checkpoint"),
         ahead_s=None,
         until_here=True,
@@ -116,9 +115,12 @@ def test_late_rows_are_told_and_a_stream_goes_on_from_its_checkpoint(
 def test_a_stream_that_is_no_change_log(
     spark: SparkSession, nominal_model: NominalModel, tmp_path: Path, columns: str, told: str
 ) -> None:
-    from runglight.scale.spark import ParquetSink, watch  # noqa: PLC0415
-
     (tmp_path / "in").mkdir()
     stream = spark.readStream.schema(columns).parquet(str(tmp_path / "in"))
     with pytest.raises(InputError, match=told):
-        watch(stream, nominal_model, ParquetSink("out"), checkpoint=str(tmp_path / "checkpoint"))
+        on_spark.watch(
+            stream,
+            nominal_model,
+            on_spark.ParquetSink("out"),
+            checkpoint=str(tmp_path / "checkpoint"),
+        )

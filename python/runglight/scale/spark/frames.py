@@ -88,8 +88,8 @@ def _partitions(partition: Any, rows: int) -> Any:
 
 
 def _first(offset: Any, rows: int) -> int:
-    if offset is not None and rows:
-        return int(offset[0].as_py() or 0)
+    if offset is not None:
+        return int(offset[0].as_py() or 0) if rows else 0
     return _task_offset()
 
 

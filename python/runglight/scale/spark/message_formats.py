@@ -1,10 +1,12 @@
-"""What a message on the wire holds: one change as JSON or binary, or many as an Arrow stream.
+r"""What a message on the wire holds: one change as JSON or binary, or many as an Arrow stream.
 
 - `json`: `{"time": "2026-01-31T06:00:00.123Z", "signal": "PRT_CHK", "value": 1}`; `time` as ISO
   8601 or as a number since 1970 (s, ms, us, ns by its size), `value` an integer or a boolean,
-  `plant` where the topic has several. Without a `signal` it is a heartbeat.
+  `plant` where the topic has several. Without a `signal` it is a heartbeat, and with `gap` it says
+  that nothing was recorded from then to `time`.
 - `binary`: int64 nanoseconds since 1970, int64 value, both little-endian, then the signal's name in
-  UTF-8 to the end. Without a name it is a heartbeat.
+  UTF-8 to the end. Without a name it is a heartbeat; the name `\0gap` makes the value the start of
+  a gap that ends at the time.
 - `arrow`: an Arrow IPC stream with columns `time` (timestamp or int64 nanoseconds), `signal`,
   `value`, and `plant` where there are several.
 """
@@ -20,6 +22,7 @@ import pyarrow as pa
 import pyarrow.compute as pc
 
 from runglight.scale.spark.changes import Changes, everywhere, names
+from runglight.scale.wire import GAP
 from runglight.taps.mqtt_payload import read_payload, read_time
 
 FIXED = 16
@@ -31,6 +34,7 @@ class _Message(msgspec.Struct, gc=False):
     signal: str | None = None
     value: bool | int = 0
     plant: str | None = None
+    gap: str | int | float | None = None
 
 
 _all = msgspec.json.Decoder(list[_Message])
@@ -61,6 +65,9 @@ def decode_json(values: Any, partitions: Any, offsets: Any) -> Changes:
             kept.append(row)
             messages.append(message)
         partition = partition[kept]
+    for message in messages:
+        if message.gap is not None:
+            message.signal, message.value = GAP, read_time(message.gap) or 0
     time_ns, known = _times([message.time for message in messages])
     plant = names([message.plant or "" for message in messages])
     changes = Changes(
@@ -142,11 +149,6 @@ FORMATS: dict[str, Decoder] = {
     "binary": decode_binary,
     "arrow": decode_arrow,
 }
-
-
-def encode_binary(time_ns: int, signal: str, value: int) -> bytes:
-    """The `binary` message of one change; of a heartbeat where the signal is empty."""
-    return np.array([time_ns, value], "<i8").tobytes() + signal.encode()
 
 
 _PLAIN = pa.schema(

@@ -14,6 +14,7 @@ import pyarrow as pa
 
 from runglight.scale.spark import aside, chunk
 from runglight.scale.spark.changes import Changes
+from runglight.scale.wire import GAP
 
 if TYPE_CHECKING:
     from runglight.scale.spark.shipped_model import ShippedModels
@@ -36,6 +37,8 @@ _ARROW = pa.schema(
 )
 ROWS_AT_ONCE = 1 << 18
 """Rows that a task holds before it packs them."""
+
+EVERY_PART = -1
 
 Read = Callable[[Any], Changes]
 
@@ -118,11 +121,15 @@ class Packer:
             parts, part_of = self._parts(name, signal.dictionary)
             first_ns = time_ns[here].min()
             opening = int(first_ns), bool((value[here & (time_ns == first_ns)] == 0).any())
-            of_row = np.where(here, part_of[index], len(parts))
+            gap = here & (part_of[index] == EVERY_PART)
+            gaps = np.flatnonzero(gap)
+            of_row = np.where(here & ~gap, part_of[index], len(parts))
             order = np.argsort(of_row, kind="stable")
             bounds = np.searchsorted(of_row[order], np.arange(len(parts) + 1))
             for position, part in enumerate(parts):
                 chosen = order[bounds[position] : bounds[position + 1]]
+                if len(gaps):
+                    chosen = np.sort(np.concatenate([chosen, gaps]))
                 if not len(chosen):
                     # It has to know when the plant's rows begin all the same.
                     yield name, part, int(first_ns) // 1000, 0, offset, None, *opening
@@ -143,7 +150,7 @@ class Packer:
             # Its processor says so.
             return ("",), np.zeros(len(signals), np.int64)
         parts = model.parts()
-        known = self._part_of.setdefault(plant, {})
+        known = self._part_of.setdefault(plant, {GAP: EVERY_PART})
         names = signals.to_pylist()
         strangers = [name for name in names if name not in known]
         known.update(zip(strangers, parts.of_signals(strangers), strict=True))

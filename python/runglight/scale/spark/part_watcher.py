@@ -14,6 +14,7 @@ import numpy as np
 from runglight.errors import RunglightError
 from runglight.scale.spark import chunk, notices
 from runglight.scale.spark.opening import Opening, earliest
+from runglight.scale.wire import GAP
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
@@ -107,8 +108,7 @@ class PartWatcher:
             # Its own rows may begin later than the plant's, or never: then it has stopped.
             monitor.begin(opening.time_ns, image=opening.image)
         if ready > late:
-            rows = table.slice(late, ready - late).select(["time", "signal", "value"])
-            told.take(monitor.observe(rows), monitor)
+            self._observe(monitor, table.slice(late, ready - late), told)
         rest = table.slice(ready)
         wake_ms = self._wake_ms(monitor, rest, watermark_ns, opening, told)
         return told, PartState(
@@ -118,6 +118,25 @@ class PartWatcher:
             wake_ms,
             opening if monitor.now_ns is None else None,
         )
+
+    def _observe(self, monitor: Monitor, table: pa.Table, told: Told) -> None:
+        rows = table.select(["time", "signal", "value"])
+        begin = 0
+        for gap in _gaps(table):
+            told.take(monitor.observe(rows.slice(begin, gap - begin)), monitor)
+            start_ns = int(table.column("value")[gap].as_py())
+            end_ns = int(chunk.times_ns(table.slice(gap, 1))[0])
+            of_gap = Told()
+            of_gap.take(monitor.gap(start_ns, end_ns), monitor)
+            if self._part != self._parts.first:
+                # It is one finding, and another part tells it.
+                of_gap.lines = [line for line in of_gap.lines if '"kind":"gap"' not in line]
+            told.lines += of_gap.lines
+            told.snapshots += of_gap.snapshots
+            if self._parts.several:
+                monitor.begin(end_ns, image=True)
+            begin = gap + 1
+        told.take(monitor.observe(rows.slice(begin)), monitor)
 
     def _nothing_to_do(
         self, state: PartState | None, chunks: Sequence[bytes], watermark_ns: int
@@ -174,3 +193,13 @@ class PartWatcher:
             told.lines.append(
                 notices.vanished(self._plant, self._part, time_ns.tolist(), self._fingerprint)
             )
+
+
+def _gaps(table: pa.Table) -> list[int]:
+    signal = table.column("signal").combine_chunks()
+    names = signal.dictionary.to_pylist()
+    if GAP not in names:
+        return []
+    index = signal.indices.to_numpy(zero_copy_only=False)
+    found: list[int] = np.flatnonzero(index == names.index(GAP)).tolist()
+    return found

@@ -7,39 +7,18 @@ jdbc:…                                                            findings onl
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from typing import TYPE_CHECKING
-from urllib.parse import parse_qsl, unquote, urlsplit
 
-from runglight.errors import InputError
 from runglight.scale.spark.frames import OPTIONAL
 from runglight.scale.spark.kafka import Format, KafkaChanges, from_kafka
 from runglight.scale.spark.sinks import FindingSink, JdbcSink, KafkaSink, ParquetSink
+from runglight.scale.topic import SCHEME, topic_of
 
 if TYPE_CHECKING:
     from pyspark.sql import DataFrame, SparkSession
 
-KAFKA = "kafka://"
 _PARQUET = "parquet:"
 _JDBC = "jdbc:"
-
-
-@dataclass(frozen=True)
-class Topic:
-    """A Kafka topic, where it is, and what Spark shall know about it."""
-
-    servers: str
-    topic: str
-    options: dict[str, str]
-
-
-def topic_of(place: str) -> Topic:
-    """Takes `kafka://…` apart; raises InputError."""
-    url = urlsplit(place)
-    topic = unquote(url.path.strip("/"))
-    if not url.netloc or not topic:
-        raise InputError(f"{place}: write it like {KAFKA}broker:9092/topic")
-    return Topic(unquote(url.netloc), topic, dict(parse_qsl(url.query)))
 
 
 def stream_of(
@@ -52,12 +31,12 @@ def stream_of(
     plant_by_key: bool,
 ) -> DataFrame | KafkaChanges:
     """A topic, or a directory that Parquet files of changes are put into."""
-    if place.startswith(KAFKA):
+    if place.startswith(SCHEME):
         topic = topic_of(place)
         return from_kafka(
             spark,
             topic.servers,
-            topic.topic,
+            topic.name,
             format,
             starting=starting,
             plant_by_key=plant_by_key,
@@ -73,9 +52,9 @@ def stream_of(
 
 def sink_of(place: str) -> FindingSink:
     """Where findings go."""
-    if place.startswith(KAFKA):
+    if place.startswith(SCHEME):
         topic = topic_of(place)
-        return KafkaSink(topic.servers, topic.topic, topic.options)
+        return KafkaSink(topic.servers, topic.name, topic.options)
     if place.startswith(_JDBC):
         # The table is a part of its own: the address belongs to the driver.
         url, _, table = place.partition("#")

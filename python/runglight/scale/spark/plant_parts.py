@@ -35,11 +35,16 @@ class PlantParts:
         """Whether there is more than one part."""
         return bool(self._groups)
 
+    @property
+    def first(self) -> str:
+        """The part that holds the plant's first group; it tells what all know."""
+        return self.names[self._of_group[self._model.groups[0]]] if self._groups else WHOLE
+
     def of_signals(self, signals: Sequence[str]) -> list[int]:
         """Indices of the parts of some signals; what the model does not know is the first's."""
         if not self._groups:
             return [0] * len(signals)
-        first = self._of_group[self._model.groups[0]]
+        first = self.names.index(self.first)
         return [
             first if group is None else self._of_group[group]
             for group in self._model.groups_of(signals)
