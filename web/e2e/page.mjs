@@ -98,7 +98,8 @@ say({ complaints });
 
 // Each view by axe, in both schemes and on a phone.
 const incident = await page.evaluate(async () => (await (await fetch("/api/live")).json()).incidents[0].id);
-const views = ["#/live", `#/live/${incident}`, "#/timing", "#/model", "#/recordings"];
+const views = ["#/live", `#/live/${incident}`, "#/timing", "#/model", "#/identify", "#/recordings"];
+say({ views: views.length });
 for (const [colorScheme, width] of [["light", 1280], ["dark", 1280], ["light", 390]]) {
   const context = await browser.newContext({
     colorScheme,
