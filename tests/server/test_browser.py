@@ -46,6 +46,10 @@ def test_it_is_acknowledged_and_exported(seen: Seen) -> None:
 
 def test_every_view_is_worked_by_keyboard(seen: Seen) -> None:
     assert "Δt" in seen["measured"]
+    before, after = seen["folded"]
+    assert 1 <= after < before
+    assert "nominal.csv" in seen["golden"]
+    assert "not in here" not in seen["golden"]
     assert seen["charts"] == 2
     assert seen["recorded"]
     assert seen["validated"]

@@ -67,6 +67,22 @@ for (const key of ["l", "f", "ArrowDown", "p", "b", "p", "p", "+", "+", "ArrowRi
   await page.waitForTimeout(300);
 }
 say({ measured: await page.locator(".readout").innerText() });
+const lanes = () => page.locator(".labels li").count();
+const unfolded = await lanes();
+await page.keyboard.press("z");
+say({ folded: [unfolded, await lanes()] });
+await page.keyboard.press("z");
+// A cycle of the recording stays and is laid over the live machine.
+await tabTo(page, ".tools select");
+await page.keyboard.press("ArrowDown");
+await page.locator(".waves[aria-label$='.csv']").waitFor();
+await tabTo(page, ".waves");
+for (const key of ["+", "+", "o"]) await page.keyboard.press(key);
+await page.locator(".golden").waitFor();
+await tabTo(page, ".tools select");
+await page.keyboard.press("ArrowUp");
+await page.locator(".waves[aria-label$='live']").waitFor();
+say({ golden: await page.locator(".golden").innerText() });
 
 // Model: a transition by keyboard, with its charts.
 await page.keyboard.press("Alt+3");
