@@ -31,7 +31,7 @@ def main() -> None:
         (directory / "runglight.toml").write_text(
             "[signal_state]\n# What we can bear.\nfalse_alarms_per_day = 1.0\n", encoding="utf-8"
         )
-        machine = photographed(directory / "line3")
+        machine = photographed(directory / "station2")
         declared = [machine.photo_after(time_ns) for time_ns in machine.seen_ns]
         os.environ["BELT"] = ",".join(map(str, declared))
         os.environ["PICTURES"] = str(directory / "pictures")
