@@ -59,6 +59,8 @@ for (const colorScheme of ["light", "dark"]) {
       if (name === "model") {
         await looked.locator("section.graph svg").waitFor();
         await looked.locator(".list button", { hasText: /RET_OFF\s*→\s*ADV_ON/ }).first().click();
+        // The recording in the directory is of another machine.
+        await looked.locator("section[aria-label=Transition] select").selectOption(log.id);
         await looked.locator("section[aria-label=Transition] canvas").first().waitFor();
         await looked.evaluate(() => document.querySelector("main").scrollTo(0, 0));
       }

@@ -40,6 +40,7 @@ it("views are kept, and what is no view is not read", () => {
   expect(savedViews(storage("{broken"))).toEqual([]);
   expect(savedViews(storage(null))).toEqual([]);
   expect(withSaved([view], { ...view, signals: ["y"] })).toHaveLength(1);
+  expect(withoutSaved([view], view.name)).toEqual([]);
 });
 
 it("a drawing holds every signal and no markup of theirs", () => {
