@@ -123,7 +123,7 @@ function inksOf(css: Css): Inks & { band: number } {
     unknown: packed(css("--strong-line")),
     grid: packed(css("--wave-grid")),
     gap: packed(css("--wave-gap")),
-    band: packed(css("--accent-ground")),
+    band: packed(css("--wave-band")),
   };
 }
 
