@@ -13,6 +13,7 @@ from runglight.log.changelog import Log
 from runglight.model import learn
 from runglight.plants import PLANTS, write_symbols
 from tests.server.browser import look
+from tests.server.photographed import photographed
 
 INTO = Path(__file__).parent / "images/page"
 COLOURS = 256
@@ -30,6 +31,9 @@ def main() -> None:
         (directory / "runglight.toml").write_text(
             "[signal_state]\n# What we can bear.\nfalse_alarms_per_day = 1.0\n", encoding="utf-8"
         )
+        machine = photographed(directory / "station2")
+        declared = [machine.photo_after(time_ns) for time_ns in machine.seen_ns]
+        os.environ["BELT"] = ",".join(map(str, declared))
         os.environ["PICTURES"] = str(directory / "pictures")
         seen = asyncio.run(look(directory, "prt-chk-on-while-returning", "shots.mjs"))
         print(seen.errors)

@@ -70,48 +70,34 @@ async def look(directory: Path, fault: str, script: str) -> Seen:
         server = PageServer(workshop, listening)
         with clock.hold():
             serving = asyncio.create_task(server.run())
-            process = await _begun(script, address_of(listening))
+            process = await asyncio.create_subprocess_exec(
+                "node",
+                str(ROOT / "web/e2e" / script),
+                address_of(listening),
+                stdout=asyncio.subprocess.PIPE,
+                stderr=asyncio.subprocess.PIPE,
+                limit=1 << 22,
+            )
             assert process.stdout is not None
+            assert process.stderr is not None
             seen.told.append(json.loads(await process.stdout.readline() or '{"ended": true}'))
             clock.on_advance(real)
-        await _told(seen, process)
+        try:
+            async with asyncio.timeout(GUARD_S):
+                async for line in process.stdout:
+                    seen.told.append(json.loads(line))
+                seen.errors = (await process.stderr.read()).decode()
+                await process.wait()
+        except TimeoutError:
+            seen.errors = f"it was not done after {GUARD_S} s"
+        finally:
+            if process.returncode is None:
+                process.terminate()
+                await process.wait()
         server.stop()
         await serving
         listening.close()
     return seen
-
-
-async def run_script(seen: Seen, script: str, *arguments: str) -> None:
-    """Lets a script look at a page and keeps what it tells."""
-    await _told(seen, await _begun(script, *arguments))
-
-
-async def _begun(script: str, *arguments: str) -> asyncio.subprocess.Process:
-    return await asyncio.create_subprocess_exec(
-        "node",
-        str(ROOT / "web/e2e" / script),
-        *arguments,
-        stdout=asyncio.subprocess.PIPE,
-        stderr=asyncio.subprocess.PIPE,
-        limit=1 << 22,
-    )
-
-
-async def _told(seen: Seen, process: asyncio.subprocess.Process) -> None:
-    assert process.stdout is not None
-    assert process.stderr is not None
-    try:
-        async with asyncio.timeout(GUARD_S):
-            async for line in process.stdout:
-                seen.told.append(json.loads(line))
-            seen.errors = (await process.stderr.read()).decode()
-            await process.wait()
-    except TimeoutError:
-        seen.errors = f"it was not done after {GUARD_S} s"
-    finally:
-        if process.returncode is None:
-            process.terminate()
-            await process.wait()
 
 
 def _foreseen(fault: str) -> int:

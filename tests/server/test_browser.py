@@ -46,6 +46,10 @@ def test_it_is_acknowledged_and_exported(seen: Seen) -> None:
 
 def test_every_view_is_worked_by_keyboard(seen: Seen) -> None:
     assert "Δt" in seen["measured"]
+    before, after = seen["folded"]
+    assert 1 <= after < before
+    assert "nominal.csv" in seen["golden"]
+    assert "not in here" not in seen["golden"]
     assert seen["charts"] == 2
     assert seen["recorded"]
     assert seen["validated"]
@@ -57,6 +61,6 @@ def test_the_browser_has_nothing_to_complain_about(seen: Seen) -> None:
 
 def test_axe_is_content_and_nothing_sticks_out(seen: Seen) -> None:
     looked = [each for each in seen.told if "axe" in each]
-    assert len(looked) == 15, seen.errors
+    assert len(looked) == 3 * seen["views"], seen.errors
     assert {each["axe"]: each["violations"] for each in looked if each["violations"]} == {}
     assert [each["axe"] for each in looked if each["sticks_out"]] == []

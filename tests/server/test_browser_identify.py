@@ -2,6 +2,7 @@
 
 import asyncio
 import csv
+import json
 import shutil
 from pathlib import Path
 
@@ -12,7 +13,7 @@ from runglight.server.policy import policy
 from runglight.server.running import PageServer, address_of, listen
 from runglight.server.workshop import Workshop
 from tests.identification.machine import conveyor_log
-from tests.server.browser import Seen, missing, run_script
+from tests.server.browser import GUARD_S, ROOT, Seen, missing
 from tests.server.photographed import Photographed
 
 pytest.importorskip("skimage")
@@ -28,12 +29,30 @@ async def visit(directory: Path, machine: Photographed) -> Seen:
     wanted = ",".join(str(machine.photo_after(seen_ns)) for seen_ns in machine.seen_ns)
     seen = Seen()
     try:
-        await run_script(seen, "identify.mjs", address_of(listening), wanted, log.id)
+        await told(seen, address_of(listening), wanted, log.id)
     finally:
         server.stop()
         await serving
         listening.close()
     return seen
+
+
+async def told(seen: Seen, *arguments: str) -> None:
+    """Lets the script look at the page and keeps what it tells."""
+    script = str(ROOT / "web/e2e/identify.mjs")
+    piped = asyncio.subprocess.PIPE
+    process = await asyncio.create_subprocess_exec(
+        "node", script, *arguments, stdout=piped, stderr=piped
+    )
+    try:
+        async with asyncio.timeout(GUARD_S):
+            lines, errors = await process.communicate()
+    finally:
+        if process.returncode is None:
+            process.terminate()
+            await process.wait()
+    seen.told += [json.loads(line) for line in lines.splitlines()]
+    seen.errors = errors.decode()
 
 
 @pytest.fixture(scope="module")
@@ -90,3 +109,10 @@ def test_a_rectangle_proposes_and_a_log_needs_no_photos(seen: Seen) -> None:
 
 def test_the_browser_has_nothing_to_complain_about(seen: Seen) -> None:
     assert seen["complaints"] == []
+
+
+def test_axe_is_content_and_nothing_sticks_out(seen: Seen) -> None:
+    looked = [each for each in seen.told if "axe" in each]
+    assert len(looked) == 4, seen.errors
+    assert {each["axe"]: each["violations"] for each in looked if each["violations"]} == {}
+    assert [each["axe"] for each in looked if each["sticks_out"]] == []

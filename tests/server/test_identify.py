@@ -175,6 +175,15 @@ def test_a_rectangle_proposes_events(client: TestClient, machine: Photographed) 
     assert str(machine.path.parent) not in outside
 
 
+def test_too_many_photos_are_not_looked_at_here(
+    client: TestClient, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("runglight.server.routes.identify.MOST_PHOTOS", 10)
+    belt = {"source": ids(client)["line3"], "x": 0, "y": 0, "width": 9, "height": 9}
+    refused = client.post("/api/identify/proposal", json=belt).json()["error"]
+    assert "runglight identify --propose" in refused
+
+
 def test_an_accepted_name_is_shown_back(client: TestClient, served: Path) -> None:
     source = {"source": ids(client)["conveyor.csv"]}
     accepting = source | {"address": "%MW74.0", "name": "Line3-Conveyor-Running"}

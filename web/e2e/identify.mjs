@@ -2,6 +2,7 @@
 // ranking read, a name accepted; then once more by a rectangle, and in a log without photos. Tells
 // what it saw as lines of JSON; `tests/server/test_browser_identify.py` judges.
 
+import { lookedAt } from "./axe.mjs";
 import { opened, say, tabTo, watchedPage } from "./browser.mjs";
 
 const [base, photosOfEvents, log] = process.argv.slice(2);
@@ -74,6 +75,8 @@ await press("Enter");
 await page.getByText(/events proposed|nothing changes/).waitFor();
 say({ proposed: (await count()) - before, said: await page.getByText(/events proposed|nothing changes/).innerText() });
 
+const recording = page.url();
+
 // Without photos, events are declared in the diagram.
 await page.goto(`${base}#/identify/${log}`);
 await page.getByText('conveyor.csv has no photos').waitFor();
@@ -82,4 +85,11 @@ await press("e");
 await page.locator(".verdict, .error").first().waitFor();
 say({ without_photos: await count() });
 say({ complaints });
+
+// As somebody finds it who comes back: with events and a ranking, and then draws a rectangle.
+await lookedAt(browser, recording, async (looked) => {
+  await looked.locator("tbody tr.first").first().waitFor();
+  await looked.locator(".strip").press("r");
+  await looked.locator(".told:focus").waitFor();
+});
 await browser.close();

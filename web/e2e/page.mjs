@@ -67,6 +67,22 @@ for (const key of ["l", "f", "ArrowDown", "p", "b", "p", "p", "+", "+", "ArrowRi
   await page.waitForTimeout(300);
 }
 say({ measured: await page.locator(".readout").innerText() });
+const lanes = () => page.locator(".labels li").count();
+const unfolded = await lanes();
+await page.keyboard.press("z");
+say({ folded: [unfolded, await lanes()] });
+await page.keyboard.press("z");
+// A cycle of the recording stays and is laid over the live machine.
+await tabTo(page, ".tools select");
+await page.keyboard.press("ArrowDown");
+await page.locator(".waves[aria-label$='.csv']").waitFor();
+await tabTo(page, ".waves");
+for (const key of ["+", "+", "o"]) await page.keyboard.press(key);
+await page.locator(".golden").waitFor();
+await tabTo(page, ".tools select");
+await page.keyboard.press("ArrowUp");
+await page.locator(".waves[aria-label$='live']").waitFor();
+say({ golden: await page.locator(".golden").innerText() });
 
 // Model: a transition by keyboard, with its charts.
 await page.keyboard.press("Alt+3");
@@ -98,7 +114,8 @@ say({ complaints });
 
 // Each view by axe, in both schemes and on a phone.
 const incident = await page.evaluate(async () => (await (await fetch("/api/live")).json()).incidents[0].id);
-const views = ["#/live", `#/live/${incident}`, "#/timing", "#/model", "#/recordings"];
+const views = ["#/live", `#/live/${incident}`, "#/timing", "#/model", "#/identify", "#/recordings"];
+say({ views: views.length });
 for (const [colorScheme, width] of [["light", 1280], ["dark", 1280], ["light", 390]]) {
   const context = await browser.newContext({
     colorScheme,

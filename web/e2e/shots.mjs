@@ -5,6 +5,7 @@ import { mkdirSync } from "node:fs";
 import { opened, say, watchedPage } from "./browser.mjs";
 
 const [base] = process.argv.slice(2);
+const BELT = (process.env.BELT ?? "").split(",").filter(Boolean).map(Number);
 const INTO = process.env.PICTURES ?? "pictures";
 mkdirSync(INTO, { recursive: true });
 
@@ -18,7 +19,8 @@ await page.locator("li[data-incident].fault").first().waitFor();
 const told = await (await page.request.get(`${base}api/live`)).json();
 const incident = told.incidents.find((each) => each.severity === "fault").id;
 const sources = await (await page.request.get(`${base}api/sources`)).json();
-const log = sources.find((each) => each.kind !== "live");
+const log = sources.find((each) => each.kind === "log");
+const line = sources.find((each) => each.kind === "recording");
 await page.close();
 
 const VIEWS = [
@@ -26,6 +28,7 @@ const VIEWS = [
   ["incident", `#/live/${incident}`],
   ["timing", `#/timing/${log.id}`],
   ["model", `#/model/${told.model.id}/Group1/PrtLDR`],
+  ["identify", `#/identify/${line.id}`],
   ["recordings", "#/recordings"],
 ];
 
@@ -56,8 +59,21 @@ for (const colorScheme of ["light", "dark"]) {
       if (name === "model") {
         await looked.locator("section.graph svg").waitFor();
         await looked.locator(".list button", { hasText: /RET_OFF\s*→\s*ADV_ON/ }).first().click();
+        // The recording in the directory is of another machine.
+        await looked.locator("section[aria-label=Transition] select").selectOption(log.id);
         await looked.locator("section[aria-label=Transition] canvas").first().waitFor();
         await looked.evaluate(() => document.querySelector("main").scrollTo(0, 0));
+      }
+      if (name === "identify") {
+        // Where the belt starts or stops, as somebody would declare it.
+        await looked.locator(".strip").focus();
+        let at = 0;
+        for (const wanted of BELT) {
+          for (; at + 10 <= wanted; at += 10) await looked.keyboard.press("Shift+ArrowRight");
+          for (; at < wanted; at += 1) await looked.keyboard.press("ArrowRight");
+          await looked.keyboard.press("e");
+        }
+        await looked.locator("tbody tr.first").first().waitFor();
       }
       await looked.waitForTimeout(1200);
       await looked.screenshot({ path: `${INTO}/${name}-${colorScheme}-${width}.png` });

@@ -6,7 +6,7 @@ import { bytes, length } from "../src/shell/time";
 import { branches, isWord, searched } from "../src/timing/choose";
 import { svgOf } from "../src/timing/export_svg";
 import { rowsOf } from "../src/timing/rows";
-import { savedViews, withSaved } from "../src/timing/saved";
+import { savedViews, withoutSaved, withSaved } from "../src/timing/saved";
 import { lane } from "./lanes";
 
 function signal(at: number, device: string, name: string): Signal {
@@ -40,14 +40,24 @@ it("views are kept, and what is no view is not read", () => {
   expect(savedViews(storage("{broken"))).toEqual([]);
   expect(savedViews(storage(null))).toEqual([]);
   expect(withSaved([view], { ...view, signals: ["y"] })).toHaveLength(1);
+  expect(withoutSaved([view], view.name)).toEqual([]);
 });
 
 it("a drawing holds every signal and no markup of theirs", () => {
   const odd = [{ ...SIGNALS[0]!, signal: "<script>" }, { ...SIGNALS[1]!, high: 9 }];
-  const svg = svgOf(rowsOf(odd), () => lane([0, 0], [500, 7]), { from: 0, until: 1000 }, 0n, "t & t");
+  const drawn = {
+    view: { from: 0, until: 1000 },
+    golden: { lanes: new Map([[0, lane([0, 1], [50, 0])]]), from: 0, until: 100, starts: [200] },
+    cursors: { A: 250, B: null },
+  };
+  const svg = svgOf(rowsOf(odd), () => lane([0, 0], [500, 7]), drawn, 0n, "t & t");
   expect(svg).not.toContain("<script>");
   expect(svg).toContain("t &#38; t");
   expect(svg).toContain(">7</text>");
+  // The golden cycle of 50 and 50, from 200 on, and cursor A alone.
+  expect(svg).toContain("M390.0 34H440.0L440.0 50H490.0");
+  expect(svg).toContain(">A</text>");
+  expect(svg).not.toContain(">B</text>");
 });
 
 it("addresses are read and written", () => {

@@ -1,7 +1,9 @@
 // The diagram as a drawing for a report.
 
+import type { Signal } from "../api/types";
 import { moment, ticks } from "./axis";
 import { isWord } from "./choose";
+import type { Golden } from "./overlay";
 import type { Row } from "./rows";
 import type { Lane } from "./spans";
 import { spanAt } from "./spans";
@@ -11,15 +13,23 @@ import { toPixel } from "./view";
 const LABELS = 190;
 const ROW = 24;
 const TOP = 30;
+const CURSOR = "#1a5aa0";
+
+export interface Drawn {
+  view: View;
+  golden?: Golden | null;
+  cursors?: Record<string, number | null>;
+}
 
 export function svgOf(
   rows: Row[],
   laneOf: (lane: number) => Lane | undefined,
-  view: View,
+  drawn: Drawn,
   originNs: bigint,
   title: string,
   width = 1000,
 ): string {
+  const { view } = drawn;
   const height = TOP + rows.length * ROW + 10;
   const parts: string[] = [];
   for (const tick of ticks(view, width, originNs)) {
@@ -35,7 +45,13 @@ export function svgOf(
     const lanes = row.signals.flatMap((each) => laneOf(each.lane) ?? []);
     if (row.folded) parts.push(changes(lanes, view, width, top));
     else if (lanes[0]) parts.push((isWord(signal) ? word : bit)(lanes[0], view, width, top));
+    if (drawn.golden && !row.folded) parts.push(golden(drawn.golden, signal, view, width, top));
   });
+  for (const [name, time] of Object.entries(drawn.cursors ?? {})) {
+    if (time === null || time < view.from || time > view.until) continue;
+    const x = (LABELS + toPixel(view, width, time)).toFixed(1);
+    parts.push(`<path d="M${x} ${TOP}V${height - 10}" stroke="${CURSOR}"/><text x="${x}" dx="3" y="${height - 1}" fill="${CURSOR}">${name}</text>`);
+  }
   const from = moment(originNs, view.from);
   return [
     `<svg xmlns="http://www.w3.org/2000/svg" width="${LABELS + width}" height="${height}" font-family="sans-serif" font-size="11">`,
@@ -79,6 +95,29 @@ function changes(lanes: Lane[], view: View, width: number, top: number): string 
     }
   }
   return `<path d="${path}" fill="none" stroke="#23282c"/>`;
+}
+
+/** The golden cycle laid over a row, once for every cycle in sight. */
+function golden(laid: Golden, signal: Signal, view: View, width: number, top: number): string {
+  const spans = laid.lanes.get(signal.lane);
+  if (!spans) return "";
+  const x = (time: number) => (LABELS + Math.max(0, Math.min(toPixel(view, width, time), width))).toFixed(1);
+  let path = "";
+  for (const start of laid.starts) {
+    const shift = start - laid.from;
+    if (laid.until + shift < view.from || start > view.until) continue;
+    let before = isWord(signal) ? null : "";
+    for (let at = 0; at < spans.start.length && spans.start[at]! < laid.until; at += 1) {
+      const from = x(Math.max(spans.start[at]!, laid.from) + shift);
+      const until = x(Math.min(spans.start[at + 1] ?? laid.until, laid.until) + shift);
+      if (before === null) path += `M${from} ${top}v16`;
+      else {
+        path += `${before || "M"}${from} ${spans.value[at] ? top : top + 16}H${until}`;
+        before = "L";
+      }
+    }
+  }
+  return `<path d="${path}" fill="none" stroke="${CURSOR}" stroke-dasharray="4 2"/>`;
 }
 
 function word(lane: Lane, view: View, width: number, top: number): string {

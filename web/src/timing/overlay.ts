@@ -134,30 +134,34 @@ export function drawExpected(
   context.restore();
 }
 
-export function drawLine(
-  context: CanvasRenderingContext2D,
-  x: number,
-  height: number,
-  colour: string,
-  label: string,
-  dashed = false,
+export interface Line {
+  x: number;
+  width: number;
+  height: number;
+  ink: string;
+  /** What the label is written with, on the line's ink. */
+  ground: string;
+  label: string;
+  dashed?: boolean;
   /** How far down the label stands. */
-  labelTop = 0,
-): void {
+  labelTop?: number;
+}
+
+export function drawLine(context: CanvasRenderingContext2D, line: Line): void {
+  const { x, label, labelTop = 0 } = line;
   context.save();
-  context.strokeStyle = colour;
+  context.strokeStyle = context.fillStyle = line.ink;
   context.lineWidth = 1.5;
-  if (dashed) context.setLineDash([5, 3]);
+  if (line.dashed) context.setLineDash([5, 3]);
   context.beginPath();
   context.moveTo(Math.round(x) + 0.5, 0);
-  context.lineTo(Math.round(x) + 0.5, height);
+  context.lineTo(Math.round(x) + 0.5, line.height);
   context.stroke();
   if (label) {
     const wide = context.measureText(label).width + 8;
-    const left = x + wide > context.canvas.clientWidth ? x - wide : x;
-    context.fillStyle = colour;
+    const left = x + wide > line.width ? x - wide : x;
     context.fillRect(left, labelTop, wide, 15);
-    context.fillStyle = getComputedStyle(context.canvas).getPropertyValue("--surface");
+    context.fillStyle = line.ground;
     context.textBaseline = "middle";
     context.fillText(label, left + 4, labelTop + 8);
   }

@@ -4,7 +4,7 @@
 import type { Signal } from "../api/types";
 import { ticks } from "./axis";
 import { isWord } from "./choose";
-import { drawExpected, drawGolden, drawLine, type Expected, type Golden, type Marker } from "./overlay";
+import { drawExpected, drawGolden, drawLine, type Expected, type Golden, type Line, type Marker } from "./overlay";
 import { drawBit, drawFolded, drawWord, packed, Pixels, type Inks } from "./raster";
 import type { Row } from "./rows";
 import { spanAt, type Lane } from "./spans";
@@ -38,11 +38,27 @@ type Css = (name: string) => string;
 
 export class Painter {
   #image: ImageData | null = null;
+  readonly #colours = new Map<string, string>();
 
   constructor(
     private readonly canvas: HTMLCanvasElement,
     private readonly axis: HTMLCanvasElement,
   ) {}
+
+  /** Colours are looked up once: asking for them makes the browser lay out the page. */
+  readonly #css: Css = (name) => {
+    let found = this.#colours.get(name);
+    if (found === undefined) {
+      found = getComputedStyle(this.canvas).getPropertyValue(name).trim();
+      this.#colours.set(name, found);
+    }
+    return found;
+  };
+
+  /** The scheme is another one. */
+  restyle(): void {
+    this.#colours.clear();
+  }
 
   paint(scene: Scene): void {
     const { canvas } = this;
@@ -54,11 +70,11 @@ export class Painter {
       canvas.height = tall;
       this.#image = null;
     }
-    const context = canvas.getContext("2d");
+    // Nothing shines through: the browser need not blend it with the page.
+    const context = canvas.getContext("2d", { alpha: false });
     if (!context) return;
     this.#image ??= context.createImageData(wide, tall);
-    const style = getComputedStyle(canvas);
-    const css: Css = (name) => style.getPropertyValue(name).trim();
+    const css = this.#css;
     const pixels = new Pixels(wide, tall, this.#image.data.buffer);
     const marks = ticks(scene.view, scene.width, scene.originNs);
     waves(pixels, scene, ratio, inksOf(css), marks.map((mark) => mark.time));
@@ -107,7 +123,7 @@ function inksOf(css: Css): Inks & { band: number } {
     unknown: packed(css("--strong-line")),
     grid: packed(css("--wave-grid")),
     gap: packed(css("--wave-gap")),
-    band: packed(css("--accent-ground")),
+    band: packed(css("--wave-band")),
   };
 }
 
@@ -147,6 +163,7 @@ function waves(
 
 function over(context: CanvasRenderingContext2D, scene: Scene, css: Css): void {
   const { view, width, height } = scene;
+  const ground = css("--surface");
   for (let number = scene.first; number < scene.last; number += 1) {
     const row = scene.rows[number]!;
     const box = { top: number * ROW - scene.scrollTop, height: ROW };
@@ -158,16 +175,13 @@ function over(context: CanvasRenderingContext2D, scene: Scene, css: Css): void {
       context.globalAlpha = 1;
     }
   }
-  for (const marker of scene.markers) {
-    const x = toPixel(view, width, marker.time);
-    if (x >= -1 && x <= width + 1) drawLine(context, x, height, css(marker.ink ?? "--red"), marker.label);
-  }
-  if (scene.cursorA !== null) {
-    drawLine(context, toPixel(view, width, scene.cursorA), height, css("--accent"), "A", false, 16);
-  }
-  if (scene.cursorB !== null) {
-    drawLine(context, toPixel(view, width, scene.cursorB), height, css("--amber"), "B", true, 16);
-  }
+  const line = (time: number, ink: string, label: string, more: Partial<Line> = {}): void => {
+    const x = toPixel(view, width, time);
+    if (x >= -1 && x <= width + 1) drawLine(context, { x, width, height, ink: css(ink), ground, label, ...more });
+  };
+  for (const marker of scene.markers) line(marker.time, marker.ink ?? "--red", marker.label);
+  if (scene.cursorA !== null) line(scene.cursorA, "--accent", "A", { labelTop: 16 });
+  if (scene.cursorB !== null) line(scene.cursorB, "--amber", "B", { labelTop: 16, dashed: true });
 }
 
 function signalOver(

@@ -6,6 +6,9 @@ import { spanAt } from "./spans";
 import type { View } from "./view";
 import { lengthOf } from "./view";
 
+/** Below this, calling `fill` takes longer than what it does. */
+const NARROW = 12;
+
 export class Pixels {
   readonly data: Uint32Array;
 
@@ -26,8 +29,11 @@ export class Pixels {
     const until = Math.min(right, this.width);
     if (until <= from) return;
     const last = Math.min(bottom, this.height);
+    const narrow = until - from < NARROW;
     for (let y = Math.max(top, 0); y < last; y += 1) {
-      this.data.fill(ink, y * this.width + from, y * this.width + until);
+      const row = y * this.width;
+      if (narrow) for (let x = from; x < until; x += 1) this.data[row + x] = ink;
+      else this.data.fill(ink, row + from, row + until);
     }
   }
 
@@ -70,7 +76,7 @@ export function drawBit(pixels: Pixels, lane: Lane, view: View, band: Band, inks
     }
     if (lane.changes[at]) {
       // At least a pixel, and both levels: something was here.
-      pixels.rectangle(left, top, Math.max(right, left + thick), bottom, inks.busy);
+      if (right > left + thick) pixels.rectangle(left + thick, top, right, bottom, inks.busy);
       pixels.column(left, top, bottom, thick, inks.wave);
       return;
     }

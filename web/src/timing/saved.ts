@@ -6,6 +6,8 @@ export interface Saved {
   name: string;
   signals: string[];
   view: View;
+  /** Devices that are folded. */
+  folded?: string[];
 }
 
 const KEY = "runglight.views";
@@ -25,6 +27,10 @@ export function withSaved(views: Saved[], saved: Saved): Saved[] {
   return [saved, ...views.filter((view) => view.name !== saved.name)].slice(0, AT_MOST);
 }
 
+export function withoutSaved(views: Saved[], name: string): Saved[] {
+  return views.filter((view) => view.name !== name);
+}
+
 export function keepViews(storage: Pick<Storage, "setItem">, views: Saved[]): void {
   storage.setItem(KEY, JSON.stringify(views));
 }
@@ -36,6 +42,7 @@ function isSaved(found: unknown): found is Saved {
     typeof saved.name === "string" &&
     Array.isArray(saved.signals) &&
     saved.signals.every((name) => typeof name === "string") &&
+    (saved.folded === undefined || Array.isArray(saved.folded)) &&
     typeof saved.view?.from === "number" &&
     typeof saved.view.until === "number" &&
     saved.view.until > saved.view.from

@@ -38,6 +38,8 @@ if TYPE_CHECKING:
 
 LONGEST_TAU_S = 3600.0
 MOST_ROWS = 200
+MOST_PHOTOS = 5_000
+"""That are looked at for a proposal: each keeps its share of memory until all are compared."""
 USUAL_TAU_S = 4.0
 MEDIA_TYPES = {".jpg": "image/jpeg", ".png": "image/png"}
 # The name of a photo is its time: what is at an address stays what it is.
@@ -250,6 +252,11 @@ async def post_proposal(request: Request) -> Response:
     if item.kind != "recording":
         raise InputError(f"{item.name} is no recording, so has no photos")
     one = await opened(workshop, drawn.source)
+    if (taken := len(_photos(item))) > MOST_PHOTOS:
+        raise InputError(
+            f"{item.name} has {taken:,} photos, more than the {MOST_PHOTOS:,} that are looked at "
+            "here; take them from the command line: runglight identify --propose"
+        )
     rectangle = Rectangle(drawn.x, drawn.y, drawn.width, drawn.height)
     if _looking.locked():
         raise InputError("photos are being looked at already; wait until that is done")
