@@ -118,7 +118,15 @@ class TokenWalk:
 
     def opens(self, label: str) -> bool:
         """Whether a run can begin with this activity."""
+        if label not in self._by_label:
+            return False
         return any(True for _ in self._followed(_Way(self._initial), label))
+
+    def allows(self, label: str) -> bool:
+        """Whether this activity can come now."""
+        if label not in self._by_label:
+            return False
+        return any(True for way in self._ways for _ in self._followed(way, label))
 
     def step(self, label: str) -> Step:
         """Follows one event."""
@@ -138,9 +146,7 @@ class TokenWalk:
     def end(self) -> Step:
         """Ends the run: silent transitions to the final marking, and what is left over then."""
         ends = [self._ended(way) for way in self._ways[:WAYS_KEPT]]
-        best = min(
-            ends, key=lambda way: (len(way.missing) + len(way.remaining), len(way.fired))
-        )
+        best = min(ends, key=lambda way: (len(way.missing) + len(way.remaining), len(way.fired)))
         self._ways = [best]
         return best.step()
 

@@ -3,6 +3,7 @@
 from typing import TYPE_CHECKING
 
 from runglight.server.routes import incidents, live, models, recordings, session, setup, timing
+from runglight.server.routes import process as process_room
 
 if TYPE_CHECKING:
     from starlette.routing import Route
@@ -15,4 +16,5 @@ ROOMS: "list[list[Route]]" = [
     models.ROUTES,
     recordings.ROUTES,
     setup.ROUTES,
+    process_room.ROUTES,
 ]
