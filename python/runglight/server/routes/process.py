@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from runglight.server.process.opened import OpenedProcess
 
 OPENINGS_TOLD = 200
+STEPS_TOLD = 60
 
 
 class Named(msgspec.Struct):
@@ -148,7 +149,7 @@ async def get_live(request: Request) -> Response:
             "sure": beside.sure,
             "runs": beside.runs,
             "marking": beside.marking(),
-            "steps": [each for each in beside.steps if each.number > after],
+            "steps": [each for each in beside.steps if each.number > after][-STEPS_TOLD:],
             "now": now,
             "outputs": beside.outputs(now),
             "problem": beside.problem,
