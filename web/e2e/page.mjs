@@ -94,11 +94,37 @@ await page.keyboard.type("[souce]");
 await page.getByText(/did you mean source/).waitFor();
 say({ validated: true });
 
+// Process: mined, played and followed by keyboard.
+await page.keyboard.press("Alt+6");
+await page.locator("input[name=reset]:checked").waitFor();
+say({ opening: await page.locator("tr.chosen td:nth-child(2)").innerText() });
+await tabTo(page, "section[aria-label=Mine] button.primary");
+await page.keyboard.press("Enter");
+await page.locator("section.net svg .token").waitFor();
+const mined = new URL(page.url()).hash;
+await tabTo(page, ".player input[type=range]");
+for (const key of ["ArrowRight", "ArrowRight", "ArrowRight", "ArrowLeft"]) await page.keyboard.press(key);
+await page.locator("li[aria-current=step]").waitFor();
+say({ played: await page.locator("li[aria-current=step]").innerText() });
+await page.locator("section.net svg .now").waitFor();
+say({ quality: await page.locator("section[aria-label='Is the net good?']").innerText() });
+await tabTo(page, "a", "Live machine");
+await page.keyboard.press("Enter");
+await page.locator("section[aria-label='Learned controller'] table.outputs tbody tr").first().waitFor();
+say({ outputs: await page.locator("table.outputs tbody tr").count() });
+const [net] = await Promise.all([
+  page.waitForEvent("download"),
+  page.locator("section.files a", { hasText: "PNML" }).press("Enter"),
+]);
+say({ pnml: readFileSync(await net.path(), "utf-8").slice(0, 400) });
+
 say({ complaints });
 
 // Each view by axe, in both schemes and on a phone.
 const incident = await page.evaluate(async () => (await (await fetch("/api/live")).json()).incidents[0].id);
 const views = ["#/live", `#/live/${incident}`, "#/timing", "#/model", "#/recordings"];
+views.push("#/process", mined, `${mined}?live=1`);
+say({ views: views.length });
 for (const [colorScheme, width] of [["light", 1280], ["dark", 1280], ["light", 390]]) {
   const context = await browser.newContext({
     colorScheme,

@@ -130,6 +130,8 @@ export interface Openings {
   places?: Record<string, Place>;
   openings?: Opening[];
   left_out?: number;
+  /** Why there are none. */
+  why?: string;
 }
 
 export interface Overview {

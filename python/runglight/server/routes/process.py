@@ -85,12 +85,16 @@ async def get_openings(request: Request) -> Response:
                 return {"runs": runs.traces, "activities": len(runs.activities)}
         log = read_source(item, configuration)
         table = configuration.symbols.table
-        found, events = openings(
-            log,
-            symbols=None if table is None else Path(table),
-            naming=configuration.symbols.naming,
-            only=only,
-        )
+        try:
+            found, events = openings(
+                log,
+                symbols=None if table is None else Path(table),
+                naming=configuration.symbols.naming,
+                only=only,
+            )
+        except InputError as error:
+            # A recording of a moment is no mistake of who looks through them.
+            return {"signals": log.signals, "activities": 0, "openings": [], "why": str(error)}
         return {
             "signals": log.signals,
             "activities": len(events.activities),
