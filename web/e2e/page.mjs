@@ -79,6 +79,22 @@ await page.keyboard.press("Enter");
 await page.locator("section[aria-label=Transition] canvas").first().waitFor();
 say({ charts: await page.locator("section[aria-label=Transition] canvas").count() });
 
+// The same device in another model: where it differs, and by how much.
+await tabTo(page, "label select", "–");
+await page.keyboard.press("ArrowDown");
+await page.locator(".legend").waitFor();
+const differing = page.locator("nav[aria-label='Groups and devices'] .changed");
+await differing.first().waitFor();
+await page.locator(".list button .removed").first().waitFor();
+say({
+  differing: await differing.allInnerTexts(),
+  first: await page.locator(".list li").first().innerText(),
+  red: await page.locator("section.graph svg g.edge path[stroke='#b3201b']").count(),
+});
+await page.locator("input[type=range]").first().press("End");
+await page.getByText(/left out/).waitFor();
+say({ hidden: await page.getByText(/left out/).innerText() });
+
 // Recordings: record, see it grow, stop.
 await page.keyboard.press("Alt+4");
 await tabTo(page, "section[aria-label=Record] input");

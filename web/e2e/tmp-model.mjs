@@ -1,0 +1,28 @@
+import { opened, say, watchedPage } from "./browser.mjs";
+const [base, out] = process.argv.slice(2);
+const browser = await opened();
+const models = await (await fetch(`${base}api/models`)).json();
+say(models);
+const own = models.find((m) => m.name === "cell.model").id, other = models.find((m) => m.name === "worn.model").id;
+const { page, complaints } = await watchedPage(browser, { viewport: { width: 1280, height: 900 }, colorScheme: "light" });
+await page.goto(`${base}#/model/${own}/Group1/PrtLDR`);
+await page.locator("section.graph svg").waitFor();
+await page.waitForTimeout(800);
+await page.screenshot({ path: `${out}/model-plain.png` });
+await page.locator("label", { hasText: "compare with" }).locator("select").selectOption(other);
+await page.waitForTimeout(1500);
+await page.screenshot({ path: `${out}/model-compare.png` });
+await page.locator("section.graph g.pick").first().click({force: true});
+await page.locator("section[aria-label=Transition]").waitFor();
+await page.waitForTimeout(1500);
+await page.screenshot({ path: `${out}/model-picked.png` });
+await page.goto(`${base}#/model/${own}/Group1`); await page.waitForTimeout(1500);
+await page.screenshot({ path: `${out}/model-group.png` });
+await page.goto(`${base}#/process`); await page.waitForTimeout(1500);
+await page.locator("section[aria-label=Mine] button.primary").click();
+await page.locator("section.net svg .token").waitFor(); const t=Date.now();
+for (let i=0;i<6;i++) { await page.locator("button[aria-label=Step]").click(); await page.waitForTimeout(100);} 
+await page.waitForTimeout(900);
+await page.screenshot({ path: `${out}/process-cell.png` });
+say(complaints);
+await browser.close();
