@@ -23,7 +23,7 @@ if TYPE_CHECKING:
 
     from runglight.plants.run import PlantRun
 
-STRETCHES_MS = (30, 100, 200, 300, 500, 900)
+STRETCHES_MS = (30, 100, 150, 200, 300, 500, 900)
 PLACES = 150
 SCAN_NS = 10_000_000
 
@@ -38,8 +38,8 @@ def main() -> None:
         log = Log.from_columns(sound.time_ns, sound.signal_index, sound.value, sound.signals)
         model = learn(log, symbols=symbols)
     watched = cell.simulate(cycles=20, seed=7)
-    random = np.random.default_rng(1)
     for stretch_ms in STRETCHES_MS:
+        random = np.random.default_rng(stretch_ms)
         wrong = {"changes": 0, "gap": 0}
         for _ in range(PLACES):
             at = int(random.integers(100, len(watched.time_ns) - 50))
