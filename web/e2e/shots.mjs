@@ -75,7 +75,7 @@ for (const colorScheme of ["light", "dark"]) {
       if (name === "process") {
         await looked.locator("section.net svg .token").waitFor();
         await looked.getByRole("button", { name: /^Play variant/ }).last().click();
-        await looked.locator(".player").press("n");
+        await looked.locator("section.net svg .token.missing").first().waitFor();
         await looked.evaluate(() => document.querySelector("main").scrollTo(0, 0));
       }
       if (name === "process-set-up") await looked.locator("input[name=reset]:checked").waitFor();

@@ -187,8 +187,7 @@ class Beside:
             self._lose()
             return
         step = self._walk.step(activity)
-        if self._walk.sure:
-            self._walk.forget()
+        self._walk.forget()
         if self._fired is not None:
             self._fired += step.fired[-1:]
             self._run.append((time_ns, activity))
