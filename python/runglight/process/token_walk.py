@@ -20,9 +20,13 @@ if TYPE_CHECKING:
     from runglight.process.petri_net import PetriNet, Transition
 
 Marking = tuple[int, ...]
-WAYS_KEPT = 64
+WAYS_KEPT = 1_000
+WAYS_FORCED = 16
+"""Where no way is left, so many are looked at for the one that misses the fewest tokens."""
 MARKINGS_LOOKED_AT = 2_000
 """Of one search through silent transitions."""
+REMEMBERED = 50_000
+"""Moves that are not worked out again: runs of a machine are alike."""
 
 
 class Step(msgspec.Struct, frozen=True, omit_defaults=True):
@@ -78,8 +82,15 @@ class TokenWalk:
             if transition.label is not None:
                 self._by_label.setdefault(transition.label, []).append(number)
         silent = [n for n, each in enumerate(self._transitions) if each.label is None]
-        self._silent = silent
-        self._helpful: dict[str, list[int]] = {}
+        self._silent = frozenset(silent)
+        self._helpful: dict[str, frozenset[int]] = {}
+        self._takes: list[list[int]] = [[] for _ in net.places]
+        """Silent transitions by the first place that they take a token from."""
+        for number in silent:
+            for place in self._transitions[number].inputs[:1]:
+                self._takes[place].append(number)
+        self._moves: dict[tuple[Marking, str], list[tuple[Marking, tuple[int, ...]]]] = {}
+        self._ends: dict[Marking, tuple[Marking, tuple[int, ...]]] = {}
         self._ways: list[_Way] = [_Way(self._initial)]
 
     def restart(self) -> None:
@@ -120,13 +131,13 @@ class TokenWalk:
         """Whether a run can begin with this activity."""
         if label not in self._by_label:
             return False
-        return any(True for _ in self._followed(_Way(self._initial), label))
+        return bool(self._followed(self._initial, label))
 
     def allows(self, label: str) -> bool:
         """Whether this activity can come now."""
         if label not in self._by_label:
             return False
-        return any(True for way in self._ways for _ in self._followed(way, label))
+        return any(self._followed(way.marking, label) for way in self._ways)
 
     def step(self, label: str) -> Step:
         """Follows one event."""
@@ -135,17 +146,17 @@ class TokenWalk:
             return self._ways[0].step()
         after: dict[Marking, _Way] = {}
         for way in self._ways:
-            for next_way in self._followed(way, label):
-                known = after.get(next_way.marking)
-                if known is None or len(next_way.fired) < len(known.fired):
-                    after[next_way.marking] = next_way
+            for marking, fired in self._followed(way.marking, label):
+                known = after.get(marking)
+                if known is None or len(fired) < len(known.fired):
+                    after[marking] = _Way(marking, way, fired)
         found = sorted(after.values(), key=lambda way: len(way.fired))
         self._ways = found[:WAYS_KEPT] or [self._forced(label)]
         return self._ways[0].step()
 
     def end(self) -> Step:
         """Ends the run: silent transitions to the final marking, and what is left over then."""
-        ends = [self._ended(way) for way in self._ways[:WAYS_KEPT]]
+        ends = [self._ended(way) for way in self._ways]
         best = min(ends, key=lambda way: (len(way.missing) + len(way.remaining), len(way.fired)))
         self._ways = [best]
         return best.step()
@@ -180,18 +191,26 @@ class TokenWalk:
                     found[number] = None
         return sorted(found)
 
-    def _followed(self, way: _Way, label: str) -> Iterator[_Way]:
-        """Every way to follow an event without adding a token."""
-        for marking, silent in self._through_silence(way.marking, self._help(label)):
+    def _followed(self, marking: Marking, label: str) -> list[tuple[Marking, tuple[int, ...]]]:
+        """Where an event can lead without adding a token, and what fires on the shortest way."""
+        known = self._moves.get((marking, label))
+        if known is not None:
+            return known
+        found: dict[Marking, tuple[int, ...]] = {}
+        for here, silent in self._through_silence(marking, self._help(label)):
             for number in self._by_label[label]:
-                after = _fired(marking, self._transitions[number])
+                after = _fired(here, self._transitions[number])
                 if after is not None:
-                    yield _Way(after, way, (*silent, number))
+                    found.setdefault(after, (*silent, number))
+        if len(self._moves) >= REMEMBERED:
+            self._moves.clear()
+        self._moves[marking, label] = list(found.items())
+        return self._moves[marking, label]
 
     def _forced(self, label: str) -> _Way:
         """The way that takes the fewest tokens from nowhere."""
         best: tuple[int, int, _Way] | None = None
-        for way in self._ways[:WAYS_KEPT]:
+        for way in self._ways[:WAYS_FORCED]:
             for marking, silent in self._through_silence(way.marking, self._help(label)):
                 for number in self._by_label[label]:
                     transition = self._transitions[number]
@@ -208,23 +227,32 @@ class TokenWalk:
         return best[2]
 
     def _ended(self, way: _Way) -> _Way:
-        def amiss(marking: Marking) -> int:
-            return sum(abs(is_ - wanted) for is_, wanted in zip(marking, self._last, strict=True))
-
-        marking, silent = min(
-            self._through_silence(way.marking, self._silent),
-            key=lambda found: (amiss(found[0]), len(found[1])),
-        )
+        known = self._ends.get(way.marking)
+        if known is None:
+            if len(self._ends) >= REMEMBERED:
+                self._ends.clear()
+            known = self._ends[way.marking] = self._nearest_end(way.marking)
+        marking, silent = known
         pairs = list(enumerate(zip(marking, self._last, strict=True)))
         return _Way(
             self._last,
             way,
-            tuple(silent),
+            silent,
             missing=tuple(place for place, (is_, wanted) in pairs if is_ < wanted),
             remaining=tuple(place for place, (is_, wanted) in pairs if is_ > wanted),
         )
 
-    def _help(self, label: str) -> list[int]:
+    def _nearest_end(self, marking: Marking) -> tuple[Marking, tuple[int, ...]]:
+        """Where silent transitions lead that is most like the final marking."""
+
+        def amiss(found: tuple[Marking, tuple[int, ...]]) -> tuple[int, int]:
+            marking, silent = found
+            pairs = zip(marking, self._last, strict=True)
+            return sum(abs(is_ - wanted) for is_, wanted in pairs), len(silent)
+
+        return min(self._through_silence(marking, self._silent), key=amiss)
+
+    def _help(self, label: str) -> frozenset[int]:
         """Silent transitions that can help to enable an activity: tokens of others stay."""
         if label not in self._helpful:
             wanted = {p for n in self._by_label[label] for p in self._transitions[n].inputs}
@@ -238,11 +266,11 @@ class TokenWalk:
                         helpful.add(number)
                         wanted |= set(transition.inputs)
                         grown = True
-            self._helpful[label] = sorted(helpful)
+            self._helpful[label] = frozenset(helpful)
         return self._helpful[label]
 
     def _through_silence(
-        self, marking: Marking, silent: Sequence[int]
+        self, marking: Marking, silent: frozenset[int]
     ) -> Iterator[tuple[Marking, tuple[int, ...]]]:
         """Markings that silent transitions lead to, the nearest first, and how."""
         seen = {marking}
@@ -250,11 +278,14 @@ class TokenWalk:
         while waiting:
             here, way = waiting.popleft()
             yield here, way
-            for number in silent:
-                after = _fired(here, self._transitions[number])
-                if after is not None and after not in seen and len(seen) < MARKINGS_LOOKED_AT:
-                    seen.add(after)
-                    waiting.append((after, (*way, number)))
+            for place, tokens in enumerate(here):
+                for number in self._takes[place] if tokens else ():
+                    if number not in silent:
+                        continue
+                    after = _fired(here, self._transitions[number])
+                    if after is not None and after not in seen and len(seen) < MARKINGS_LOOKED_AT:
+                        seen.add(after)
+                        waiting.append((after, (*way, number)))
 
 
 def _enabled(marking: Marking, transition: Transition) -> bool:

@@ -116,7 +116,7 @@ export function departs(departure: Departure, places: Record<string, Place>): st
 const NAMED = 3;
 
 export function listed(names: string[]): string {
-  if (names.length > NAMED) return `${names.slice(0, NAMED).join(", ")} or ${names.length - NAMED} others`;
+  if (names.length > NAMED) return `${names.slice(0, NAMED).join(", ")} or ${names.length - NAMED} ${names.length - NAMED === 1 ? "other" : "others"}`;
   return names.length > 1 ? `${names.slice(0, -1).join(", ")} or ${names.at(-1)}` : (names[0] ?? "nothing");
 }
 
