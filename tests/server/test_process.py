@@ -264,6 +264,17 @@ def test_another_program_disagrees_and_the_page_says_with_what(tanks: Path) -> N
     assert differing == {"%QX0.0", "%QX0.1"}
 
 
+def test_a_net_that_holds_up_the_alarms_is_not_followed(
+    tanks: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("runglight.server.process.beside.SLOW_S", -1.0)
+    beside, batches = followed(tanks, "counting")
+    for batch in batches[:10]:
+        beside.feed.append(batch)
+    assert beside.given_up
+    assert len(beside.steps) <= 3
+
+
 def test_after_a_gap_nothing_is_judged_until_it_is_known_again(tanks: Path) -> None:
     beside, batches = followed(tanks, "counting")
     half = len(batches) // 2

@@ -162,6 +162,8 @@ export interface LiveProcess {
   at_ms: number;
   since_ms: number;
   missing: string[];
+  /** The net is too large to be followed. */
+  given_up: boolean;
   sure: boolean;
   runs: number;
   marking: Marking;

@@ -5,6 +5,7 @@ It is given what the page's own tap has read. It has no connection of its own, a
 
 from __future__ import annotations
 
+import time
 from collections import deque
 from typing import TYPE_CHECKING
 
@@ -24,6 +25,9 @@ if TYPE_CHECKING:
 
 STEPS_KEPT = 300
 DISAGREEMENTS_KEPT = 200
+SLOW_S = 0.3
+SLOW_TIMES = 3
+"""Batches that took so much of the processor: a net that is too large must not hold up alarms."""
 RUN_KEPT = 5_000
 """Events of one run that are kept to be counted."""
 
@@ -84,6 +88,9 @@ class Beside:
         self.disagreements: deque[str] = deque(maxlen=DISAGREEMENTS_KEPT)
         self.problem: str | None = process.no_controller
         """Why no learned controller looks on."""
+        self.given_up = False
+        """Whether the net is too large to be followed."""
+        self._slow = 0
         self.told = 0
         self.runs = 0
         self.since_ns: int | None = None
@@ -105,7 +112,15 @@ class Beside:
         return [name for name in self._classes if name not in there]
 
     def take(self, batch: Batch) -> None:
-        """Follows a batch."""
+        """Follows a batch; gives up where that holds up whoever watches."""
+        if self.given_up:
+            return
+        began_s = time.thread_time()
+        self._take(batch)
+        self._slow += time.thread_time() - began_s > SLOW_S
+        self.given_up = self._slow >= SLOW_TIMES
+
+    def _take(self, batch: Batch) -> None:
         if self.since_ns is None:
             self.since_ns = batch.until_ns
         if any(isinstance(mark, Gap) for mark in batch.marks):
