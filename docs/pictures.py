@@ -26,6 +26,10 @@ def main() -> None:
         run = PLANTS["cell"].simulate(cycles=20, seed=1)
         log = Log.from_columns(run.time_ns, run.signal_index, run.value, run.signals)
         log.write(directory / "sound.csv")
+        broken = PLANTS["cell"].simulate(seed=2, fault=1)
+        Log.from_columns(broken.time_ns, broken.signal_index, broken.value, broken.signals).write(
+            directory / "with-fault.csv"
+        )
         write_symbols(PLANTS["cell"].symbols, directory / "symbols.csv")
         learn(log, symbols=directory / "symbols.csv").save(directory / "cell.model")
         (directory / "runglight.toml").write_text(

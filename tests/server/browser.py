@@ -4,6 +4,7 @@ import asyncio
 import json
 import shutil
 import time
+from collections.abc import Callable
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -51,8 +52,17 @@ class Seen:
         return found[0]
 
 
-async def look(directory: Path, fault: str, script: str) -> Seen:
-    """Serves a directory with a live cell, breaks it, and lets a script look at the page."""
+async def look(
+    directory: Path,
+    fault: str,
+    script: str,
+    hear: Callable[[dict[str, Any]], None] | None = None,
+    guard_s: float = GUARD_S,
+) -> Seen:
+    """Serves a directory with a live cell, breaks it, and lets a script look at the page.
+
+    `hear` is given what the script tells when it tells it.
+    """
     shown_ns = _foreseen(fault)
     clock = VirtualClock(shown_ns - WATCHED_BEFORE_NS)
     plant = RunningCell(START_NS, SEED)
@@ -83,13 +93,15 @@ async def look(directory: Path, fault: str, script: str) -> Seen:
             seen.told.append(json.loads(await process.stdout.readline() or '{"ended": true}'))
             clock.on_advance(real)
         try:
-            async with asyncio.timeout(GUARD_S):
+            async with asyncio.timeout(guard_s):
                 async for line in process.stdout:
                     seen.told.append(json.loads(line))
+                    if hear is not None:
+                        hear(seen.told[-1])
                 seen.errors = (await process.stderr.read()).decode()
                 await process.wait()
         except TimeoutError:
-            seen.errors = f"it was not done after {GUARD_S} s"
+            seen.errors = f"it was not done after {guard_s:g} s"
         finally:
             if process.returncode is None:
                 process.terminate()

@@ -3,11 +3,14 @@
 import asyncio
 import csv
 import io
+import os
 import shutil
 from pathlib import Path
 
 import pytest
 
+from runglight.log.changelog import read_log
+from runglight.model import learn
 from tests.server.browser import Seen, look, missing
 
 pytestmark = pytest.mark.skipif(missing() is not None, reason=str(missing()))
@@ -18,6 +21,9 @@ def seen(cell: Path, tmp_path_factory: pytest.TempPathFactory) -> Seen:
     """One visit, by keyboard alone; the tests look at what it told."""
     directory = tmp_path_factory.mktemp("page")
     shutil.copytree(cell / "cell.model", directory / "cell.model")
+    # An older model of a machine that did something else once: the newest one is watched with.
+    learn(read_log(cell / "faulty.csv"), symbols=cell / "symbols.csv").save(directory / "old.model")
+    os.utime(directory / "old.model" / "manifest.json", (0, 0))
     for name in ("symbols.csv", "nominal.csv"):
         shutil.copy(cell / name, directory)
     return asyncio.run(look(directory, "prt-chk-on-while-returning", "page.mjs"))
@@ -53,6 +59,22 @@ def test_every_view_is_worked_by_keyboard(seen: Seen) -> None:
     assert seen["charts"] == 2
     assert seen["recorded"]
     assert seen["validated"]
+
+
+def test_two_models_are_compared(seen: Seen) -> None:
+    assert "3 differ" in seen["differing"]
+    assert "only in the other" in seen["first"]
+    assert seen["red"] == 3
+    assert "left out" in seen["hidden"]
+
+
+def test_a_net_is_mined_played_and_followed(seen: Seen) -> None:
+    assert "PRT_CHK ON" in seen["opening"]
+    assert "FORWARD ON" in seen["played"]
+    assert "sound" in seen["quality"]
+    assert "19 recorded runs" in seen["quality"]
+    assert seen["outputs"] > 5
+    assert "<pnml" in seen["pnml"]
 
 
 def test_the_browser_has_nothing_to_complain_about(seen: Seen) -> None:

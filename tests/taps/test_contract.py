@@ -102,9 +102,11 @@ def test_a_change_is_seen_between_its_writing_and_its_reading(
                 await bench.change(value)
                 seen = (await rows_until(batches, lambda batch: len(batch) > 0))[-1]
                 after_ns = time.time_ns()
-                assert not seen.image
-                assert seen.signal_index.tolist() == [index]
-                assert seen.value.tolist() == [value]
+                # A computer too busy to look often says so, and how all signals stand.
+                assert seen.image is has_gap(seen)
+                told = dict(zip(seen.signal_index.tolist(), seen.value.tolist(), strict=True))
+                assert told[index] == value
+                assert seen.image or len(told) == 1
                 # The steady clock may stand off the computer's by what it follows gently.
                 off_ns = 50_000_000
                 assert before_ns - off_ns <= seen.time_ns[0] <= after_ns + off_ns

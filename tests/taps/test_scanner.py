@@ -196,13 +196,16 @@ def test_after_a_good_scan_the_waits_are_short_again() -> None:
 @pytest.mark.parametrize(
     ("interval_ms", "slow_ms", "is_gap"),
     [
-        (10, 900, False),
+        (10, 90, False),
+        (10, 110, True),
         (10, 1_100, True),
         (1_000, 4_000, False),
         (1_000, 5_100, True),
     ],
 )
-def test_a_scan_stretched_for_long_is_a_gap(interval_ms: int, slow_ms: int, is_gap: bool) -> None:
+def test_changes_seen_after_a_long_stretch_are_a_gap(
+    interval_ms: int, slow_ms: int, is_gap: bool
+) -> None:
     clock = FakeClock()
     device = FakeDevice([b"\0", spending(clock, slow_ms, b"\x08"), b"\x08"])
     run = Run(device, 2, clock, interval_ns=interval_ms * MS)
@@ -215,6 +218,15 @@ def test_a_scan_stretched_for_long_is_a_gap(interval_ms: int, slow_ms: int, is_g
         assert (gap.start_ns, gap.end_ns) == (START_NS, slow.until_ns)
         assert "too slow" in gap.reason
     assert len(run.connections) == 1
+
+
+@pytest.mark.parametrize(("slow_ms", "is_gap"), [(900, False), (1_100, True)])
+def test_a_stretch_in_which_nothing_changed_may_be_longer(slow_ms: int, is_gap: bool) -> None:
+    clock = FakeClock()
+    device = FakeDevice([b"\0", spending(clock, slow_ms), b"\0", b"\1"])
+    run = Run(device, 4, clock)
+    gaps = [mark for batch in run.batches for mark in batch.marks if isinstance(mark, Gap)]
+    assert bool(gaps) is is_gap
 
 
 @pytest.mark.parametrize("step_ns", [HOUR_NS, -HOUR_NS])

@@ -95,6 +95,22 @@ await page.keyboard.press("Enter");
 await page.locator("section[aria-label=Transition] canvas").first().waitFor();
 say({ charts: await page.locator("section[aria-label=Transition] canvas").count() });
 
+// The same device in another model: where it differs, and by how much.
+await tabTo(page, "label select", "–");
+await page.keyboard.press("ArrowDown");
+await page.locator(".legend").waitFor();
+const differing = page.locator("nav[aria-label='Groups and devices'] .changed");
+await differing.first().waitFor();
+await page.locator(".list button .removed").first().waitFor();
+say({
+  differing: await differing.allInnerTexts(),
+  first: await page.locator(".list li").first().innerText(),
+  red: await page.locator("section.graph svg g.edge path[stroke='#b3201b']").count(),
+});
+await page.locator("input[type=range]").first().press("End");
+await page.getByText(/left out/).waitFor();
+say({ hidden: await page.getByText(/left out/).innerText() });
+
 // Recordings: record, see it grow, stop.
 await page.keyboard.press("Alt+4");
 await tabTo(page, "section[aria-label=Record] input");
@@ -110,11 +126,36 @@ await page.keyboard.type("[souce]");
 await page.getByText(/did you mean source/).waitFor();
 say({ validated: true });
 
+// Process: mined, played and followed by keyboard.
+await page.keyboard.press("Alt+6");
+await page.locator("input[name=reset]:checked").waitFor();
+say({ opening: await page.locator("tr.chosen td:nth-child(2)").innerText() });
+await tabTo(page, "section[aria-label=Mine] button.primary");
+await page.keyboard.press("Enter");
+await page.locator("section.net svg .token").waitFor();
+const mined = new URL(page.url()).hash;
+await tabTo(page, ".player input[type=range]");
+for (const key of ["ArrowRight", "ArrowRight", "ArrowRight", "ArrowLeft"]) await page.keyboard.press(key);
+await page.locator("li[aria-current=step]").waitFor();
+say({ played: await page.locator("li[aria-current=step]").innerText() });
+await page.locator("section.net svg .now").waitFor();
+say({ quality: await page.locator("section[aria-label='Is the net good?']").innerText() });
+await tabTo(page, "a", "Live machine");
+await page.keyboard.press("Enter");
+await page.locator("section[aria-label='Learned controller'] table.outputs tbody tr").first().waitFor();
+say({ outputs: await page.locator("table.outputs tbody tr").count() });
+const [net] = await Promise.all([
+  page.waitForEvent("download"),
+  page.locator("section.files a", { hasText: "PNML" }).press("Enter"),
+]);
+say({ pnml: readFileSync(await net.path(), "utf-8").slice(0, 400) });
+
 say({ complaints });
 
 // Each view by axe, in both schemes and on a phone.
 const incident = await page.evaluate(async () => (await (await fetch("/api/live")).json()).incidents[0].id);
 const views = ["#/live", `#/live/${incident}`, "#/timing", "#/model", "#/identify", "#/recordings"];
+views.push("#/process", mined, `${mined}?live=1`);
 say({ views: views.length });
 for (const [colorScheme, width] of [["light", 1280], ["dark", 1280], ["light", 390]]) {
   const context = await browser.newContext({

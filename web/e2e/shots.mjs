@@ -21,6 +21,17 @@ const incident = told.incidents.find((each) => each.severity === "fault").id;
 const sources = await (await page.request.get(`${base}api/sources`)).json();
 const log = sources.find((each) => each.kind === "log");
 const line = sources.find((each) => each.kind === "recording");
+// The net of the sound machine, mined and kept as anybody would; then what broke held against it.
+const headers = { "x-runglight": "pictures" };
+async function mined(source, net) {
+  const asked = { source: sources.find((each) => each.name === source).id, reset: "Group1-PrtLDR-PRT_CHK=1", net };
+  let job = await (await page.request.post(`${base}api/process/mine`, { headers, data: asked })).json();
+  while (!job.done) job = await (await page.request.get(`${base}api/process/jobs/${job.id}`)).json();
+  return job.process;
+}
+const sound = await mined("sound.csv", null);
+const kept = await (await page.request.post(`${base}api/process/${sound}/keep`, { headers, data: { name: "cell" } })).json();
+const departing = await mined("with-fault.csv", kept.id);
 await page.close();
 
 const VIEWS = [
@@ -30,6 +41,8 @@ const VIEWS = [
   ["model", `#/model/${told.model.id}/Group1/PrtLDR`],
   ["identify", `#/identify/${line.id}`],
   ["recordings", "#/recordings"],
+  ["process", `#/process/${departing}`],
+  ["process-set-up", "#/process"],
 ];
 
 for (const colorScheme of ["light", "dark"]) {
@@ -75,6 +88,13 @@ for (const colorScheme of ["light", "dark"]) {
         }
         await looked.locator("tbody tr.first").first().waitFor();
       }
+      if (name === "process") {
+        await looked.locator("section.net svg .token").waitFor();
+        await looked.getByRole("button", { name: /^Play variant/ }).last().click();
+        await looked.locator("section.net svg .token.missing").first().waitFor();
+        await looked.evaluate(() => document.querySelector("main").scrollTo(0, 0));
+      }
+      if (name === "process-set-up") await looked.locator("input[name=reset]:checked").waitFor();
       await looked.waitForTimeout(1200);
       await looked.screenshot({ path: `${INTO}/${name}-${colorScheme}-${width}.png` });
     }

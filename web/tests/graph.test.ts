@@ -1,7 +1,7 @@
 import { describe, expect, it } from "vitest";
 import type { Finding, Rule } from "../src/api/types";
 import { dotOf, faultyDot, INK, keyOf, near, transitions } from "../src/graph/dot";
-import { compared } from "../src/model/compare";
+import { compared, differingParts, partOf } from "../src/model/compare";
 import { histogram, numbers } from "../src/model/times";
 
 function rule(current: string, next: string, changes: Partial<Rule> = {}): Rule {
@@ -82,4 +82,14 @@ describe("histograms", () => {
     expect(numbers([3, 1, 2])).toEqual({ count: 3, median: 2, low: 1, high: 3 });
     expect(numbers([])).toBeNull();
   });
+});
+
+it("two models are held against each other device by device", () => {
+  const older = [...RULES, rule("A_ON", "C_ON", { device: "E" }), rule("A_ON", "D_ON", { model: "group", device: null })];
+  const newer = [...RULES, rule("A_ON", "C_ON", { device: "E", average_s: 3 })];
+  const found = differingParts(older, newer);
+  expect([...found]).toEqual([
+    [partOf("G", "E"), 1],
+    [partOf("G", ""), 1],
+  ]);
 });

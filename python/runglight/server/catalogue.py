@@ -1,4 +1,4 @@
-"""What lies in the served directory: recordings, logs and models, each under an id.
+"""What lies in the served directory: recordings, logs, models and nets, each under an id.
 
 A client only ever names ids. They are looked up among what was found on the disk, and never
 become part of a path.
@@ -17,10 +17,13 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
     from pathlib import Path
 
-Kind = Literal["recording", "log", "model"]
+Kind = Literal["recording", "log", "model", "net", "next"]
+SOURCES: tuple[Kind, ...] = ("recording", "log")
+"""What signals can be read from."""
 LOG_ENDINGS = (".csv", ".parquet", ".xes", ".vcd")
 EVENTS = ".events.csv"
 """Events that were declared for a log: `line3.events.csv` beside `line3.csv`."""
+NET_ENDING = ".pnml"
 NO_LOGS = frozenset({"symbols.csv", "events.csv"})
 DEEP = 2
 """Directories within directories that are looked into."""
@@ -93,8 +96,12 @@ def _kind(path: Path) -> Kind | None:
     if path.is_dir():
         if is_recording(path):
             return "recording"
+        if (path / "next.json").is_file():
+            return "next"
         return "model" if (path / "manifest.json").is_file() else None
     name = path.name.lower()
+    if path.suffix.lower() == NET_ENDING:
+        return "net"
     if path.suffix.lower() in LOG_ENDINGS and not (name in NO_LOGS or name.endswith(EVENTS)):
         return "log"
     return None

@@ -37,6 +37,8 @@ class LiveFeed:
         self.recorder: Recorder | None = None
         self.recording_since_ns = 0
         self.meter: Meter | None = None
+        self.listeners: list[Callable[[Batch], None]] = []
+        """Are given every batch, after it was taken."""
         self._say = say
         self._forgotten_ns = 0
         self._rows = 0
@@ -63,6 +65,13 @@ class LiveFeed:
         self._forget()
         if self.recorder is not None:
             self._record(batch)
+        for listener in self.listeners:
+            listener(batch)
+
+    def forget_listener(self, listener: Callable[[Batch], None]) -> None:
+        """Gives it no more batches."""
+        if listener in self.listeners:
+            self.listeners.remove(listener)
 
     def close(self) -> None:
         """Ends the recording, where one is made. May take a while."""

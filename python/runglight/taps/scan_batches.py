@@ -33,6 +33,10 @@ class ScanBatches:
         self.last_ns: int | None = None
         """Time of the last good scan."""
 
+    def is_change(self, image: bytes) -> bool:
+        """Whether a scan shows something else than the one before."""
+        return self._image is not None and image != self._image
+
     def lost(self, reason: str) -> list[Batch]:
         """Nothing is seen from the last scan on; the next one gives a gap and a whole image."""
         self._image = None

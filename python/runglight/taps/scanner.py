@@ -18,6 +18,9 @@ from runglight.taps.scan_batches import ScanBatches
 STRETCHED_INTERVALS = 5
 STRETCHED_NS = 1_000_000_000
 """Longer than both without a scan: changes may have been missed, so that is a gap."""
+BLURRED_NS = 100_000_000
+"""Longer than this (and than so many intervals) before a scan that saw changes: when they came and
+in which order is not known, and a guess would be an alarm. That is a gap, too."""
 
 
 class Scanner:
@@ -36,6 +39,7 @@ class Scanner:
         self._tell = tell
         self._grid = Grid(interval_ns)
         self._stretched_ns = max(STRETCHED_INTERVALS * interval_ns, STRETCHED_NS)
+        self._blurred_ns = max(STRETCHED_INTERVALS * interval_ns, BLURRED_NS)
         self._backoff = backoff or Backoff()
         self._batches = ScanBatches(device.values, interval_ns)
         self._connection = Connection()
@@ -80,7 +84,8 @@ class Scanner:
     def _take(self, image: bytes, time_ns: int) -> list[Batch]:
         earlier: list[Batch] = []
         last_ns = self._batches.last_ns
-        if last_ns is not None and time_ns - last_ns > self._stretched_ns:
+        longest_ns = self._blurred_ns if self._batches.is_change(image) else self._stretched_ns
+        if last_ns is not None and time_ns - last_ns > longest_ns:
             stretched_s = (time_ns - last_ns) / 1e9
             earlier = self._batches.lost(
                 f"no scan for {stretched_s:.1f} s: this computer or the PLC was too slow"

@@ -10,6 +10,9 @@ export const INK = {
   accent: "#010104",
   node: "#010105",
   redground: "#010106",
+  input: "#010107",
+  output: "#010108",
+  green: "#010109",
 };
 
 export interface Transition {

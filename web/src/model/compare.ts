@@ -1,13 +1,43 @@
 // What differs between the rules of two models.
 
 import type { Transition } from "../graph/dot";
-import { keyOf } from "../graph/dot";
+import { keyOf, transitions } from "../graph/dot";
+import type { Rule } from "../api/types";
 
 export type Difference = "added" | "removed" | "changed";
 
 /** Relative change of the usual time, or of the probability, that counts. */
 const SIGNIFICANT = 0.15;
 const SMALLEST_S = 0.02;
+
+export const SAID: Record<Difference, string> = {
+  added: "only here",
+  removed: "only in the other",
+  changed: "other time or share",
+};
+
+/** How many transitions differ, by device (`group` and `device` with a line break between), or by group for its chain. */
+export function differingParts(older: Rule[], newer: Rule[]): Map<string, number> {
+  const parts = new Map<string, [Rule[], Rule[]]>();
+  [older, newer].forEach((rules, side) => {
+    for (const rule of rules) {
+      const name = partOf(rule.group, rule.model === "device" ? (rule.device ?? "") : "");
+      const both = parts.get(name) ?? [[], []];
+      both[side]!.push(rule);
+      parts.set(name, both);
+    }
+  });
+  const found = new Map<string, number>();
+  for (const [name, [before, after]] of parts) {
+    const count = compared(transitions(before), transitions(after)).differences.size;
+    if (count) found.set(name, count);
+  }
+  return found;
+}
+
+export function partOf(group: string, device: string): string {
+  return `${group}\n${device}`;
+}
 
 export interface Compared {
   all: Transition[];

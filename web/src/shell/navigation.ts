@@ -19,4 +19,5 @@ export const VIEWS: View[] = [
     key: "4",
     load: () => import("../recordings/RecordingsView.svelte"),
   },
+  { id: "process", title: "Process", key: "6", load: () => import("../process/ProcessView.svelte") },
 ];

@@ -12,6 +12,7 @@ from runglight.server.routes import (
     setup,
     timing,
 )
+from runglight.server.routes import process as process_room
 
 if TYPE_CHECKING:
     from starlette.routing import Route
@@ -25,4 +26,5 @@ ROOMS: "list[list[Route]]" = [
     identify.ROUTES,
     recordings.ROUTES,
     setup.ROUTES,
+    process_room.ROUTES,
 ]

@@ -61,8 +61,10 @@ async def get_model(request: Request) -> Response:
 
 
 async def get_rules(request: Request) -> Response:
-    """The rules of one device (`group`, `device`), or of a group's chain (`group` alone)."""
+    """The rules of one device (`group`, `device`), of a group's chain (`group` alone), or `all`."""
     model, _ = await _model(workshop_of(request), request.path_params["model"])
+    if request.query_params.get("all"):
+        return Response(await asyncio.to_thread(model.rules_json), media_type="application/json")
     group = request.query_params.get("group")
     device = request.query_params.get("device") or None
     text = await asyncio.to_thread(model.rules_json, group, device)

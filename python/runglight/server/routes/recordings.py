@@ -13,7 +13,7 @@ from runglight.errors import InputError
 from runglight.log.changelog import read_log_with
 from runglight.recording.description import read_description
 from runglight.server.answers import body_of, json_answer
-from runglight.server.catalogue import LOG_ENDINGS, Item, free_name
+from runglight.server.catalogue import LOG_ENDINGS, SOURCES, Item, free_name
 from runglight.server.workshop_of import workshop_of
 
 if TYPE_CHECKING:
@@ -49,7 +49,7 @@ async def get_recordings(request: Request) -> Response:
         feed = workshop.live.feed
         recorder = None if feed is None else feed.recorder
         now = None if recorder is None else recorder.directory
-        items = [item for item in workshop.catalogue.items() if item.kind != "model"]
+        items = [item for item in workshop.catalogue.items() if item.kind in SOURCES]
         return [_listed(item, recording=item.path == now) for item in items]
 
     return json_answer(await asyncio.to_thread(look))

@@ -12,6 +12,7 @@ from starlette.routing import Route
 
 from runglight.errors import InputError
 from runglight.server.answers import json_answer, number_of
+from runglight.server.catalogue import SOURCES
 from runglight.server.window import MEDIA_TYPE, window_bytes
 from runglight.server.workshop_of import workshop_of
 
@@ -93,7 +94,7 @@ async def get_sources(request: Request) -> Response:
     found += [
         {"id": item.id, "name": item.name, "kind": item.kind}
         for item in items
-        if item.kind != "model"
+        if item.kind in SOURCES
     ]
     return json_answer(found)
 
