@@ -78,7 +78,7 @@ fn branch(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure>
                 model,
                 (lanes.count(r), total),
                 (learned.probability, learned_total),
-                learned.dispersion,
+                learned.dispersion.into(),
             )
         })
         .max_by(|&a, &b| {
@@ -107,7 +107,7 @@ fn times(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure> 
             model,
             (seen.count, total),
             (cluster.probability, u64::from(model.rules[rule].count)),
-            cluster.dispersion,
+            cluster.dispersion.into(),
         )
     });
     let observed_shares: Vec<f64> =
@@ -183,9 +183,9 @@ fn mean_changed(
     if change <= relevant || count < OBSERVATIONS_AT_LEAST || cluster.instances < BODY_INSTANCES {
         return false;
     }
-    let dispersion = if single { cluster.dispersion } else { 1.0 };
-    let n0 = cluster.instances as f64;
-    let error = cluster.deviation_s.max(resolution)
+    let dispersion = if single { f64::from(cluster.dispersion) } else { 1.0 };
+    let n0 = f64::from(cluster.instances);
+    let error = f64::from(cluster.deviation_s).max(resolution)
         * (dispersion * (1.0 / f64::from(count) + 1.0 / n0)).sqrt();
     two_sided(change / error, n0 - 1.0) <= model.budget.per_average
 }

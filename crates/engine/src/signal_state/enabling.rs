@@ -19,7 +19,7 @@ mod window;
 pub use happenings::{Happening, Happenings};
 
 use crate::log::Nanoseconds;
-use crate::timing::TimeCluster;
+use crate::timing::Clusters;
 use crate::timing::optimal;
 
 use super::states::{NO_STATE, StateId};
@@ -33,7 +33,7 @@ pub struct Trigger {
     /// The enabling state, and the other one of a join: the delay runs from the later of the two.
     pub states: [StateId; 2],
     /// Delays from the enabling event.
-    pub clusters: Box<[TimeCluster]>,
+    pub clusters: Clusters,
 }
 
 impl Trigger {

@@ -225,7 +225,7 @@ impl NominalModel {
     pub fn fingerprint(&self) -> u64 {
         let mut hash = xxhash_rust::xxh3::Xxh3::new();
         for signal in &self.plant.signals {
-            hash.update(signal.symbol.as_bytes());
+            hash.update(signal.symbol().as_bytes());
             hash.update(&[0]);
         }
         for rule in &self.rules {

@@ -13,7 +13,7 @@ pub(super) fn choose_starting_signals(
     events: &[Happening],
     parameters: &Parameters,
 ) -> Result<(), LearnError> {
-    let device_of: Vec<u32> = plant.signals.iter().map(|signal| signal.device as u32).collect();
+    let device_of: Vec<u32> = plant.signals.iter().map(|signal| signal.device() as u32).collect();
     let mut first = vec![SignalIndex::MAX; plant.devices.len()];
     for event in events {
         let first = &mut first[device_of[event.signal as usize] as usize];
@@ -38,7 +38,7 @@ pub(super) fn choose_starting_signals(
         let index = (0..plant.signals.len() as SignalIndex)
             .find(|&s| {
                 let candidate = &plant.signals[s as usize];
-                candidate.device == device && candidate.name == *signal
+                candidate.device() == device && candidate.name() == *signal
             })
             .ok_or_else(|| error("the device has no such signal"))?;
         plant.devices[device].starting = Some(index);
