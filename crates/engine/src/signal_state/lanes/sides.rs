@@ -39,7 +39,7 @@ impl Sides {
     pub(super) fn of(by_lane: &[Option<Side>]) -> Self {
         let sides: Vec<Side> = by_lane.iter().flatten().copied().collect();
         let mut places = 0..;
-        let place = |side: &Option<Side>| side.and(places.next()).unwrap_or(NONE);
+        let place = |side: &Option<Side>| side.and_then(|_| places.next()).unwrap_or(NONE);
         Self { places: by_lane.iter().map(place).collect(), sides }
     }
 
@@ -49,11 +49,12 @@ impl Sides {
         self.sides.get(*self.places.get(lane)? as usize)
     }
 
-    /// Fetches the side of a lane, where it has one.
+    /// Fetches the side of a lane; the last, where it has none: that is at hand anyway, and who
+    /// has one cannot be guessed.
     #[inline(always)]
     pub(super) fn fetch(&self, lane: usize) {
         if let Some(&place) = self.places.get(lane) {
-            prefetch_index(&self.sides, place as usize);
+            prefetch_index(&self.sides, (place as usize).min(self.sides.len()));
         }
     }
 }
