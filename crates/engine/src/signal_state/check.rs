@@ -164,7 +164,7 @@ fn share_changed(
     let variance = dispersion * pooled * (1.0 - pooled) * (1.0 / n + 1.0 / n0);
     let continuity = 0.5 / n;
     two_sided((change - continuity).max(0.0) / variance.sqrt(), n + n0 - 2.0)
-        <= model.budget.per_share
+        <= model.judgement().budget.per_share
 }
 
 fn mean_changed(
@@ -187,7 +187,7 @@ fn mean_changed(
     let n0 = f64::from(cluster.instances);
     let error = f64::from(cluster.deviation_s).max(resolution)
         * (dispersion * (1.0 / f64::from(count) + 1.0 / n0)).sqrt();
-    two_sided(change / error, n0 - 1.0) <= model.budget.per_average
+    two_sided(change / error, n0 - 1.0) <= model.judgement().budget.per_average
 }
 
 /// Two-sided tail of Student's t by Wallace's normal approximation (1959).

@@ -113,9 +113,7 @@ impl<'a> Search<'a> {
         let steady = (own_spread / 8.0).clamp(tight, STEADY_AT_MOST_S.max(tight));
         let close = 2.0 * tight;
         let election = Election { instances, own_s, current, next, steady, close };
-        let first = self.ballot.vote(self.index, &election, SCREENERS);
-        let promising = |c: &Candidate| c.state != current && c.mask.count_ones() >= SCREENED;
-        if !first.iter().any(promising) {
+        if !self.ballot.promises(self.index, &election, (SCREENERS, SCREENED)) {
             return None;
         }
         let voters = instances.len().min(VOTERS);

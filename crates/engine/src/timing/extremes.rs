@@ -62,7 +62,8 @@ fn reach(cluster: &TimeCluster, side: Side, resolution_s: f64) -> f64 {
         Side::Early => cluster.average_s - cluster.minimum_s,
         Side::Late => cluster.maximum_s - cluster.average_s,
     };
-    let others = (n * f64::from(cluster.deviation_s).powi(2) - distance.powi(2) * n / (n - 1.0)) / (n - 1.0);
+    let others =
+        (n * f64::from(cluster.deviation_s).powi(2) - distance.powi(2) * n / (n - 1.0)) / (n - 1.0);
     distance * n / (n - 1.0) / others.max(0.0).sqrt().max(resolution_s)
 }
 

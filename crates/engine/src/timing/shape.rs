@@ -49,7 +49,8 @@ impl Shapes {
         if telling.is_empty() {
             return shapes;
         }
-        let mut ginis: Vec<f64> = telling.iter().map(|cluster| f64::from(cluster.tail_gini)).collect();
+        let mut ginis: Vec<f64> =
+            telling.iter().map(|cluster| f64::from(cluster.tail_gini)).collect();
         ginis.sort_unstable_by(f64::total_cmp);
         shapes.bounded_gini = ginis[ginis.len() / 2].min(BOUNDED_AT_MOST);
         shapes.exponential = 0.5;
@@ -58,8 +59,7 @@ impl Shapes {
             shapes.exponential = (sum + PRIOR_CLUSTERS) / (telling.len() as f64 + PRIOR_CLUSTERS);
         }
         let bounded = telling.into_iter().filter(|cluster| {
-            shapes.probability(cluster) < 0.5
-                && spreads(cluster, TICKS_OF_EXTREMES * resolution_s)
+            shapes.probability(cluster) < 0.5 && spreads(cluster, TICKS_OF_EXTREMES * resolution_s)
         });
         let (many, few): (Vec<&TimeCluster>, Vec<&TimeCluster>) =
             bounded.partition(|cluster| cluster.instances >= MANY_INSTANCES);
