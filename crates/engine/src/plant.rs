@@ -4,6 +4,8 @@
 //! (`Group2-Device1-Signal2`). A symbol table or another [`NamingRule`] says so for plants that
 //! name differently; what fits neither is grouped by [name stem](crate::stem).
 
+mod signal;
+
 use std::collections::HashMap;
 
 use serde::{Deserialize, Serialize};
@@ -12,6 +14,9 @@ use crate::log::SignalIndex;
 use crate::naming::NamingRule;
 use crate::stem;
 use crate::symbols::SymbolTable;
+
+pub use signal::Signal;
+use signal::Written;
 
 /// The group of signals whose names tell none.
 pub const PLANT_GROUP: &str = "plant";
@@ -53,26 +58,6 @@ impl SignalClass {
             _ => Self::Memory,
         }
     }
-}
-
-/// One PLC variable.
-#[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Signal {
-    /// What the log calls it: an address or a full name.
-    pub symbol: String,
-    /// PLC address, where known.
-    pub address: Option<String>,
-    /// Name inside its device.
-    pub name: String,
-    /// Index into [`Plant::devices`].
-    pub device: usize,
-    /// Input, output or memory.
-    pub class: SignalClass,
-    /// True for words; booleans have the states `_ON` and `_OFF`.
-    pub word: bool,
-    /// Free text from the symbol table.
-    #[serde(default)]
-    pub description: Box<str>,
 }
 
 /// Signals that operate one piece of equipment.
@@ -136,22 +121,23 @@ impl Plant {
                 }
             };
             let device = places.device(&mut plant, &group, &device);
-            plant.signals.push(Signal {
+            let signal = Written {
                 symbol: symbol.clone(),
                 address: entry.map(|e| e.address.clone()).or_else(|| address_of(symbol)),
                 name,
                 device,
                 class: entry.and_then(|e| e.class).unwrap_or(guessed),
                 word: entry.is_some_and(|e| e.word),
-                description: entry.map(|e| e.description.as_str().into()).unwrap_or_default(),
-            });
+                description: entry.map(|e| e.description.clone()).unwrap_or_default(),
+            };
+            plant.signals.push(signal.into());
         }
         plant
     }
 
     /// The device of a signal.
     pub fn device_of(&self, signal: SignalIndex) -> &Device {
-        &self.devices[self.signals[signal as usize].device]
+        &self.devices[self.signals[signal as usize].device()]
     }
 
     /// The group of a device, by index.
@@ -167,8 +153,8 @@ impl Plant {
     /// What a full name is made of.
     pub fn name_parts(&self, signal: SignalIndex) -> [&str; 5] {
         let signal = &self.signals[signal as usize];
-        let device = &self.devices[signal.device];
-        [&self.groups[device.group].name, "-", &device.name, "-", &signal.name]
+        let device = &self.devices[signal.device()];
+        [&self.groups[device.group].name, "-", &device.name, "-", signal.name()]
     }
 
     /// `Group1-Device2`.

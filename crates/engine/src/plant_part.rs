@@ -3,7 +3,7 @@
 //! Signals, devices and groups keep their order, so whatever is decided by order is decided alike.
 
 use crate::log::SignalIndex;
-use crate::plant::{Device, Plant, Signal};
+use crate::plant::{Device, Plant};
 
 /// A plant of some groups.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -27,16 +27,15 @@ impl PlantPart {
         let of_group = |&device: &usize| group_in_part[plant.devices[device].group].is_some();
         let devices: Vec<usize> = (0..plant.devices.len()).filter(of_group).collect();
         let device_in_part = places(&devices, plant.devices.len());
-        let of_device = |&s: &SignalIndex| device_in_part[plant.signals[s as usize].device];
+        let of_device = |&s: &SignalIndex| device_in_part[plant.signals[s as usize].device()];
         let signals: Vec<SignalIndex> = (0..plant.signals.len() as SignalIndex)
             .filter(|signal| of_device(signal).is_some())
             .collect();
         let part = Plant {
             signals: signals
                 .iter()
-                .map(|signal| Signal {
-                    device: of_device(signal).unwrap_or_default(),
-                    ..plant.signals[*signal as usize].clone()
+                .map(|signal| {
+                    plant.signals[*signal as usize].moved_to(of_device(signal).unwrap_or_default())
                 })
                 .collect(),
             devices: devices
@@ -74,7 +73,7 @@ fn unplaced(plant: &Plant, signals: &[SignalIndex]) -> Vec<String> {
     if plant.unplaced.is_empty() {
         return Vec::new();
     }
-    let symbol = |&signal: &SignalIndex| plant.signals[signal as usize].symbol.as_str();
+    let symbol = |&signal: &SignalIndex| plant.signals[signal as usize].symbol();
     let kept: std::collections::HashSet<&str> = signals.iter().map(symbol).collect();
     plant.unplaced.iter().filter(|symbol| kept.contains(symbol.as_str())).cloned().collect()
 }

@@ -18,7 +18,7 @@ impl SymbolIndex {
     /// Indexes a plant.
     pub fn of(plant: &Plant) -> Self {
         let hasher = DefaultHashBuilder::default();
-        let hash = |&index: &SignalIndex| hasher.hash_one(&plant.signals[index as usize].symbol);
+        let hash = |&index: &SignalIndex| hasher.hash_one(plant.signals[index as usize].symbol());
         let mut table = HashTable::with_capacity(plant.signals.len());
         for index in 0..plant.signals.len() as SignalIndex {
             table.insert_unique(hash(&index), index, hash);
@@ -28,7 +28,7 @@ impl SymbolIndex {
 
     /// The signal of a symbol, in the plant that was indexed.
     pub fn find(&self, plant: &Plant, symbol: &str) -> Option<SignalIndex> {
-        let is_it = |&index: &SignalIndex| plant.signals[index as usize].symbol == symbol;
+        let is_it = |&index: &SignalIndex| plant.signals[index as usize].symbol() == symbol;
         self.table.find(self.hasher.hash_one(symbol), is_it).copied()
     }
 
@@ -42,7 +42,7 @@ impl SymbolIndex {
         let mut next = 0;
         let mut find = |symbol: &str| {
             let found = match plant.signals.get(next as usize) {
-                Some(signal) if signal.symbol == symbol => Some(next),
+                Some(signal) if signal.symbol() == symbol => Some(next),
                 _ => self.find(plant, symbol),
             };
             next = found.map_or(next, |found| found + 1);

@@ -145,12 +145,12 @@ impl SymbolTable {
                 .map(str::to_owned),
         ];
         rows.extend(plant.signals.iter().map(|signal| {
-            let device = &plant.devices[signal.device];
+            let device = &plant.devices[signal.device()];
             [
-                signal.address.clone().unwrap_or_else(|| signal.symbol.clone()),
+                signal.address().unwrap_or(signal.symbol()).to_owned(),
                 plant.groups[device.group].name.clone(),
                 device.name.clone(),
-                signal.name.clone(),
+                signal.name().to_owned(),
                 match signal.class {
                     SignalClass::Input => "input",
                     SignalClass::Output => "output",
@@ -158,7 +158,7 @@ impl SymbolTable {
                 }
                 .to_owned(),
                 if signal.word { "INT" } else { "BOOL" }.to_owned(),
-                signal.description.to_string(),
+                signal.description().to_owned(),
             ]
         }));
         for row in rows {

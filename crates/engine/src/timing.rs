@@ -1,6 +1,7 @@
 //! Transition times: how long a transition takes when all is well, and what is too long or short.
 
 pub mod agglomerative;
+pub mod clusters;
 pub mod csk_means;
 pub mod extremes;
 pub mod limits;
@@ -9,31 +10,36 @@ pub mod shape;
 
 use serde::{Deserialize, Serialize};
 
+pub use clusters::Clusters;
+
 /// One of the times a transition takes. All times in seconds.
+///
+/// What a time is compared with is kept to the last bit, and estimates in single precision: a plant
+/// has tens of thousands of these in memory.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct TimeCluster {
-    /// Number of learned instances.
-    pub instances: u64,
     /// Mean of the instances (ATT in Ghosh 2016, Figures 13-14).
     pub average_s: f64,
     /// Smallest instance.
     pub minimum_s: f64,
     /// Largest instance.
     pub maximum_s: f64,
-    /// Standard deviation of the instances. Zero with `plat`.
-    pub deviation_s: f64,
     /// Share of the transition's instances (TTP). Not renormalised when clusters are dropped.
     pub probability: f64,
+    /// Number of learned instances.
+    pub instances: u32,
+    /// Standard deviation of the instances. Zero with `plat`.
+    pub deviation_s: f32,
     /// Mean excess of the upper half over the median: the scale of the late tail. Zero with `plat`.
-    pub late_scale_s: f64,
+    pub late_scale_s: f32,
     /// The same for the lower half: the scale of the early tail. Zero with `plat`.
-    pub early_scale_s: f64,
+    pub early_scale_s: f32,
     /// Gini coefficient of the distances from the median: ½ for exponential tails, 0.41 for a
     /// normal law, ⅓ for an even spread.
-    pub tail_gini: f64,
+    pub tail_gini: f32,
     /// Long-run variance of belonging to this cluster, over that of independent draws: below 1
     /// where clusters alternate, above 1 where they come in bunches. See [`crate::signal_state::dispersion`].
-    pub dispersion: f64,
+    pub dispersion: f32,
 }
 
 impl TimeCluster {
@@ -41,7 +47,7 @@ impl TimeCluster {
     fn of(times: &[f64], total: usize) -> Self {
         let (first, last) = (times.first().copied(), times.last().copied());
         Self {
-            instances: times.len() as u64,
+            instances: times.len() as u32,
             average_s: mean(times),
             minimum_s: first.unwrap_or_default(),
             maximum_s: last.unwrap_or_default(),

@@ -104,7 +104,7 @@ fn alarms(model: &Arc<NominalModel>, log: &ChangeLog) -> Vec<Finding> {
         .signals
         .iter()
         .map(|symbol| {
-            let known = model.plant.signals.iter().position(|s| s.symbol == *symbol);
+            let known = model.plant.signals.iter().position(|s| s.symbol() == *symbol);
             monitor.signal_index(symbol, known.map(|k| k as u32))
         })
         .collect();

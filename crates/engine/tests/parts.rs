@@ -171,7 +171,7 @@ fn groups_that_wait_for_one_another_stay_together() {
     let of_last = rules.iter_mut().find(|rule| model.group_name(rule.chain) == "I");
     let clusters = Box::default();
     // What enables it is an event of the first group.
-    of_last.expect("a rule").trigger = Some(Box::new(Trigger { states: [1, NO_STATE], clusters }));
+    of_last.expect("a rule").trigger = Some(Box::new(Trigger { states: [1, NO_STATE], clusters: clusters.into_vec().into() }));
     let declared = NominalModel::assemble(
         model.plant.clone(),
         model.states.clone(),

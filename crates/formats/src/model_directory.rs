@@ -250,7 +250,7 @@ fn check_plant(
 ) -> Result<(), &'static str> {
     let signals = plant.signals.len();
     let signal_ok = |s: SignalIndex| (s as usize) < signals;
-    if plant.signals.iter().any(|s| s.device >= plant.devices.len()) {
+    if plant.signals.iter().any(|s| s.device() >= plant.devices.len()) {
         return Err("a signal names a device that is not there");
     }
     if plant.devices.iter().any(|d| {

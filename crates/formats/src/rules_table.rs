@@ -19,7 +19,7 @@ use runglight_engine::signal_state::enabling::Trigger;
 use runglight_engine::signal_state::model::NominalModel;
 use runglight_engine::signal_state::rules::Rule;
 use runglight_engine::signal_state::states::{NO_STATE, StateId, StateNames, States};
-use runglight_engine::timing::TimeCluster;
+use runglight_engine::timing::{Clusters, TimeCluster};
 
 const TEXT: [&str; 7] = ["model", "group", "device", "current", "next", "trigger", "trigger_times"];
 const WHOLE: [&str; 6] =
@@ -184,13 +184,13 @@ fn push_row(
         Cell::Text(trigger_times.as_deref()),
         Cell::Whole(Some(i64::from(rule.uncounted))),
         Cell::Whole(Some(i64::from(rule.sequence))),
-        Cell::Real(Some(rule.dispersion)),
-        Cell::Whole(cluster.map(|(_, c)| c.instances as i64)),
-        of(|c| c.deviation_s),
-        of(|c| c.early_scale_s),
-        of(|c| c.late_scale_s),
-        of(|c| c.tail_gini),
-        of(|c| c.dispersion),
+        Cell::Real(Some(rule.dispersion.into())),
+        Cell::Whole(cluster.map(|(_, c)| i64::from(c.instances))),
+        of(|c| c.deviation_s.into()),
+        of(|c| c.early_scale_s.into()),
+        of(|c| c.late_scale_s.into()),
+        of(|c| c.tail_gini.into()),
+        of(|c| c.dispersion.into()),
     ];
     for (column, cell) in columns.iter_mut().zip(&cells) {
         column.push(cell);
@@ -243,8 +243,8 @@ pub fn from_batches(
                         probability: real(table.probability, row)?,
                         sequence: small(table.sequence, row)?,
                         position: small(table.position, row)?,
-                        dispersion: real(table.dispersion, row)?,
-                        clusters: Box::default(),
+                        dispersion: single(table.dispersion, row)?,
+                        clusters: Clusters::default(),
                         trigger: table.trigger(row, &names, states)?.map(Box::new),
                     });
                 }
@@ -335,8 +335,8 @@ fn small(column: &Int64Array, row: usize) -> Option<u32> {
     u32::try_from(whole(column, row)?).ok()
 }
 
-fn count(column: &Int64Array, row: usize) -> Option<u64> {
-    u64::try_from(whole(column, row)?).ok()
+fn single(column: &Float64Array, row: usize) -> Option<f32> {
+    real(column, row).map(|number| number as f32)
 }
 
 impl<'a> Table<'a> {
@@ -410,16 +410,16 @@ impl<'a> Table<'a> {
             return Some(None);
         }
         Some(Some(TimeCluster {
-            instances: count(self.instances, row)?,
+            instances: small(self.instances, row)?,
             average_s: real(self.average_s, row)?,
             minimum_s: real(self.minimum_s, row)?,
             maximum_s: real(self.maximum_s, row)?,
             probability: real(self.time_probability, row)?,
-            deviation_s: real(self.deviation_s, row)?,
-            late_scale_s: real(self.late_scale_s, row)?,
-            early_scale_s: real(self.early_scale_s, row)?,
-            tail_gini: real(self.tail_gini, row)?,
-            dispersion: real(self.cluster_dispersion, row)?,
+            deviation_s: single(self.deviation_s, row)?,
+            late_scale_s: single(self.late_scale_s, row)?,
+            early_scale_s: single(self.early_scale_s, row)?,
+            tail_gini: single(self.tail_gini, row)?,
+            dispersion: single(self.cluster_dispersion, row)?,
         }))
     }
 }

@@ -123,8 +123,8 @@ impl PyNominalModel {
                 .map(|(index, device)| {
                     json!({
                         "device": device.name,
-                        "start": device.starting.map(|s| plant.signals[s as usize].name.clone()),
-                        "signals": plant.signals.iter().filter(|s| s.device == index).count(),
+                        "start": device.starting.map(|s| plant.signals[s as usize].name().to_owned()),
+                        "signals": plant.signals.iter().filter(|s| s.device() == index).count(),
                         "rules": self.model.rules.iter().filter(|r| r.chain == index).count(),
                     })
                 })
@@ -200,7 +200,7 @@ impl PyNominalModel {
 
     #[getter]
     fn signals(&self) -> Vec<&str> {
-        self.model.plant.signals.iter().map(|signal| signal.symbol.as_str()).collect()
+        self.model.plant.signals.iter().map(|signal| signal.symbol()).collect()
     }
 
     fn symbols_csv(&self) -> String {

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import gc
 import os
 import sys
 from typing import TYPE_CHECKING
@@ -16,9 +17,14 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 
+_GARBAGE_AFTER = 20_000
+"""Objects made before garbage is looked for: imports make many, and all of them stay."""
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs `runglight` and returns its exit code. Nothing leaves here as a traceback."""
     _prepare_streams()
+    gc.set_threshold(_GARBAGE_AFTER)
     try:
         # Not at the top of the file: an engine that cannot be loaded must end in a sentence too.
         from runglight.cli.application import run  # noqa: PLC0415

@@ -28,7 +28,7 @@ from runglight.replacing import replacing
 from runglight.taps import is_live
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
+    from collections.abc import Iterator
 
     from runglight.configuration import Configuration, Watch
     from runglight.log.changelog import Log
@@ -142,16 +142,16 @@ class _Telling:
         if self._settings.format == "csv":
             stream.write(flat.header())
 
-    def tell(self, lines: Iterable[str], stream: TextIO) -> None:
+    def tell(self, lines: list[str], stream: TextIO) -> None:
+        if self._settings.format == "jsonl":
+            stream.writelines(f"{line}\n" for line in lines)
         for line in lines:
             headline = decode_headline(line)
             self.met = self.met or headline.severity in self._alarming
             self._headlines.append(headline)
-            if self._settings.format == "jsonl":
-                stream.write(line + "\n")
-            elif self._settings.format == "csv":
+            if self._settings.format == "csv":
                 stream.write(flat.row(line))
-            else:
+            elif self._settings.format == "table":
                 self._findings.append(decode_finding(line))
 
     def end(self, stream: TextIO, events: int, seconds: float) -> None:

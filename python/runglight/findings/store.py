@@ -7,6 +7,7 @@ This is the truth of live watching: what is published or copied elsewhere is rea
 from __future__ import annotations
 
 import sqlite3
+from itertools import islice
 from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
@@ -14,7 +15,7 @@ import msgspec
 from runglight.nearest import nearest
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Iterator, Sequence
     from pathlib import Path
     from types import TracebackType
 
@@ -38,12 +39,8 @@ CREATE TABLE IF NOT EXISTS delivery (
 );
 """
 
-# A line that is there already (the same log watched again) is not written twice. A unique index
-# over the JSON would hold every line again, and cost most of the writing.
-_APPEND = """
-INSERT INTO finding (id, json) SELECT ?1, ?2
-WHERE NOT EXISTS (SELECT 1 FROM finding WHERE id = ?1 AND json = ?2)
-"""
+_LINES_AT_ONCE = 250
+"""Lines whose ids are looked up by one statement; SQLite takes no more than 999 parameters."""
 
 
 class _Identified(msgspec.Struct):
@@ -111,13 +108,31 @@ class FindingStore:
     def append(self, json_lines: Iterable[str], snapshots: Iterable[str] = ()) -> None:
         """Writes findings and snapshots in one transaction."""
         with self._connection:
-            self._connection.executemany(
-                _APPEND, ((_identified.decode(line).id, line) for line in json_lines)
-            )
+            # Nobody else writes between the look for a line and its writing.
+            self._connection.execute("BEGIN IMMEDIATE")
+            for lines in _batched(json_lines, _LINES_AT_ONCE):
+                self._append_new(lines)
             self._connection.executemany(
                 "INSERT INTO snapshot (id, json) VALUES (?, ?)",
                 ((_identified.decode(text).id, text) for text in snapshots),
             )
+
+    def _append_new(self, lines: Sequence[str]) -> None:
+        """Writes the lines that are not there yet (the same log watched again).
+
+        A unique index over the JSON would hold every line again, and cost most of the writing;
+        asking for each line alone would cost as much.
+        """
+        ids = [_identified.decode(line).id for line in lines]
+        places = ",".join("?" * len(ids))
+        there = {
+            line
+            for (line,) in self._connection.execute(
+                f"SELECT json FROM finding WHERE id IN ({places})", ids
+            )
+        }
+        new = {line: id for id, line in zip(ids, lines, strict=True) if line not in there}
+        self._connection.executemany("INSERT INTO finding (json, id) VALUES (?, ?)", new.items())
 
     def newest(self, finding_id: str) -> str | None:
         """The newest line of a finding, or None where the id is not known."""
@@ -184,3 +199,9 @@ class FindingStore:
                 " WHERE json_extract(json, '$.snapshot_id') IS NOT NULL)"
             )
         return dropped
+
+
+def _batched(lines: Iterable[str], at_once: int) -> Iterator[list[str]]:
+    remaining = iter(lines)
+    while batch := list(islice(remaining, at_once)):
+        yield batch

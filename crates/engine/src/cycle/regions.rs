@@ -129,16 +129,16 @@ impl Directory {
         };
         for (index, signal) in (0..).zip(&plant.signals) {
             let number = directory.bits.len();
-            let device = &plant.devices[signal.device];
+            let device = &plant.devices[signal.device()];
             let bit = Bit {
-                symbol: signal.symbol.clone(),
-                address: signal.address.clone(),
+                symbol: signal.symbol().to_owned(),
+                address: signal.address().map(str::to_owned),
                 name: plant.full_name(index),
                 group: plant.groups[device.group].name.clone(),
                 device: device.name.clone(),
-                description: signal.description.to_string(),
+                description: signal.description().to_owned(),
             };
-            let place = signal.address.as_deref().or(Some(&signal.symbol)).and_then(Place::parse);
+            let place = signal.address().or(Some(signal.symbol())).and_then(Place::parse);
             for name in [Some(&bit.symbol), bit.address.as_ref(), Some(&bit.name)] {
                 directory.by_name.extend(name.map(|name| (name.to_ascii_lowercase(), number)));
             }

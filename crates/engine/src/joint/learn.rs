@@ -60,7 +60,7 @@ pub fn learn<L: Borrow<ChangeLog>>(
     let plant = Plant::arrange(&symbols, table, &rule);
     let mode_bits = Directory::of(&plant).modes(modes)?;
     let number_of: HashMap<&str, SignalIndex> =
-        plant.signals.iter().map(|signal| signal.symbol.as_str()).zip(0..).collect();
+        plant.signals.iter().map(|signal| signal.symbol()).zip(0..).collect();
     let by_itself: Vec<ChangeLog> = logs
         .iter()
         .map(|log| {

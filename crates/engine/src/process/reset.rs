@@ -96,15 +96,15 @@ pub fn class_of_name(name: &str) -> Option<SignalClass> {
 }
 
 fn find(name: &str, plant: &Plant) -> Result<SignalIndex, ResetError> {
-    let by_symbol = plant.signals.iter().position(|signal| signal.symbol == name);
-    let by_address = || plant.signals.iter().position(|s| s.address.as_deref() == Some(name));
+    let by_symbol = plant.signals.iter().position(|signal| signal.symbol() == name);
+    let by_address = || plant.signals.iter().position(|s| s.address() == Some(name));
     let by_full_name =
         || (0..plant.signals.len()).find(|&s| plant.full_name(s as SignalIndex) == name);
     let found = by_symbol.or_else(by_address).or_else(by_full_name);
     found.map(|index| index as SignalIndex).ok_or_else(|| {
         const SHOWN: usize = 8;
         let mut known: Vec<&str> =
-            plant.signals.iter().take(SHOWN).map(|signal| signal.symbol.as_str()).collect();
+            plant.signals.iter().take(SHOWN).map(|signal| signal.symbol()).collect();
         if plant.signals.len() > SHOWN {
             known.push("…");
         }

@@ -190,7 +190,7 @@ impl<'s> Slicer<'s> {
         if self.resets == 0 {
             return Err(self.never(plant));
         }
-        let symbol = |signal: SignalIndex| plant.signals[signal as usize].symbol.clone();
+        let symbol = |signal: SignalIndex| plant.signals[signal as usize].symbol().to_owned();
         for changes in &self.activities {
             let class = Some(self.classes[changes[0].0 as usize]);
             let changes: Vec<(String, i64)> =
@@ -207,7 +207,7 @@ impl<'s> Slicer<'s> {
     }
 
     fn never(&self, plant: &Plant) -> ResetError {
-        let symbol = |signal: SignalIndex| plant.signals[signal as usize].symbol.as_str();
+        let symbol = |signal: SignalIndex| plant.signals[signal as usize].symbol();
         let reset: Vec<(String, i64)> =
             self.slicing.reset.changes.iter().map(|&(s, v)| (symbol(s).to_owned(), v)).collect();
         let signal = self.slicing.reset.changes[0].0;

@@ -49,7 +49,7 @@ impl Chains {
             places: plant
                 .signals
                 .iter()
-                .map(|s| Place { device: s.device as u32, group_chain: NO_CHAIN })
+                .map(|s| Place { device: s.device() as u32, group_chain: NO_CHAIN })
                 .collect(),
             group_of_chain: plant.devices.iter().map(|d| d.group as u32).collect(),
         };

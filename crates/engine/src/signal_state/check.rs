@@ -78,7 +78,7 @@ fn branch(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure>
                 model,
                 (lanes.count(r), total),
                 (learned.probability, learned_total),
-                learned.dispersion,
+                learned.dispersion.into(),
             )
         })
         .max_by(|&a, &b| {
@@ -107,7 +107,7 @@ fn times(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure> 
             model,
             (seen.count, total),
             (cluster.probability, u64::from(model.rules[rule].count)),
-            cluster.dispersion,
+            cluster.dispersion.into(),
         )
     });
     let observed_shares: Vec<f64> =
@@ -164,7 +164,7 @@ fn share_changed(
     let variance = dispersion * pooled * (1.0 - pooled) * (1.0 / n + 1.0 / n0);
     let continuity = 0.5 / n;
     two_sided((change - continuity).max(0.0) / variance.sqrt(), n + n0 - 2.0)
-        <= model.budget.per_share
+        <= model.judgement().budget.per_share
 }
 
 fn mean_changed(
@@ -183,11 +183,11 @@ fn mean_changed(
     if change <= relevant || count < OBSERVATIONS_AT_LEAST || cluster.instances < BODY_INSTANCES {
         return false;
     }
-    let dispersion = if single { cluster.dispersion } else { 1.0 };
-    let n0 = cluster.instances as f64;
-    let error = cluster.deviation_s.max(resolution)
+    let dispersion = if single { f64::from(cluster.dispersion) } else { 1.0 };
+    let n0 = f64::from(cluster.instances);
+    let error = f64::from(cluster.deviation_s).max(resolution)
         * (dispersion * (1.0 / f64::from(count) + 1.0 / n0)).sqrt();
-    two_sided(change / error, n0 - 1.0) <= model.budget.per_average
+    two_sided(change / error, n0 - 1.0) <= model.judgement().budget.per_average
 }
 
 /// Two-sided tail of Student's t by Wallace's normal approximation (1959).

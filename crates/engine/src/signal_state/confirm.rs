@@ -4,6 +4,7 @@
 use thiserror::Error;
 
 use crate::finding::{Finding, Kind};
+use crate::timing::Clusters;
 
 use super::chains::ChainIndex;
 use super::learn::set_probabilities;
@@ -112,7 +113,7 @@ fn add_path(
             sequence,
             position,
             dispersion: 1.0,
-            clusters: Box::default(),
+            clusters: Clusters::default(),
             trigger: None,
         });
         sequence = sequence.saturating_add(1);

@@ -19,12 +19,12 @@ mod window;
 pub use happenings::{Happening, Happenings};
 
 use crate::log::Nanoseconds;
-use crate::timing::TimeCluster;
+use crate::timing::Clusters;
 use crate::timing::optimal;
 
 use super::states::{NO_STATE, StateId};
 
-use ballot::{Ballot, Candidate, Election, VOTERS};
+use ballot::{Ballot, Election, VOTERS};
 use finalists::finalists;
 
 /// What enables a transition, and how long it then takes.
@@ -33,7 +33,7 @@ pub struct Trigger {
     /// The enabling state, and the other one of a join: the delay runs from the later of the two.
     pub states: [StateId; 2],
     /// Delays from the enabling event.
-    pub clusters: Box<[TimeCluster]>,
+    pub clusters: Clusters,
 }
 
 impl Trigger {
@@ -113,9 +113,7 @@ impl<'a> Search<'a> {
         let steady = (own_spread / 8.0).clamp(tight, STEADY_AT_MOST_S.max(tight));
         let close = 2.0 * tight;
         let election = Election { instances, own_s, current, next, steady, close };
-        let first = self.ballot.vote(self.index, &election, SCREENERS);
-        let promising = |c: &Candidate| c.state != current && c.mask.count_ones() >= SCREENED;
-        if !first.iter().any(promising) {
+        if !self.ballot.promises(self.index, &election, (SCREENERS, SCREENED)) {
             return None;
         }
         let voters = instances.len().min(VOTERS);

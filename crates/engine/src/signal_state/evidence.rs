@@ -272,5 +272,5 @@ impl Evidence {
 /// Instances in clusters too small to be a usual time.
 fn rare_instances(rule: &Rule) -> u64 {
     let rare = rule.judged().iter().filter(|c| c.instances < BODY_INSTANCES);
-    rare.map(|c| c.instances).sum::<u64>().saturating_sub(u64::from(rule.uncounted))
+    rare.map(|c| u64::from(c.instances)).sum::<u64>().saturating_sub(u64::from(rule.uncounted))
 }

@@ -154,7 +154,7 @@ fn rules(found: &Transitions, times: Vec<Times>, chains: &Chains, states: usize)
             probability: 0.0,
             sequence: index as u32,
             position: position[transition.chain],
-            dispersion: branch_dispersion[index],
+            dispersion: branch_dispersion[index] as f32,
             clusters: times.clusters.into(),
             trigger: times.trigger.map(Box::new),
         });

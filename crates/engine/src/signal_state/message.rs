@@ -229,7 +229,7 @@ fn plant_notice(kind: Kind, id: String, time: Nanoseconds) -> Finding {
 
 fn suspect(model: &NominalModel, signal: SignalIndex, score: f64) -> Suspect {
     Suspect {
-        address: model.plant.signals[signal as usize].address.clone(),
+        address: model.plant.signals[signal as usize].address().map(str::to_owned),
         signal: model.plant.full_name(signal),
         score,
     }

@@ -4,7 +4,7 @@ use std::sync::OnceLock;
 
 use serde::{Deserialize, Serialize};
 
-use crate::log::{Nanoseconds, SECOND};
+use crate::log::{Nanoseconds, SECOND, SignalIndex};
 use crate::plant::Plant;
 use crate::symbol_index::SymbolIndex;
 use crate::timing::limits::{self, Accepted, Tail};
@@ -50,15 +50,29 @@ pub struct NominalModel {
     pub parameters: Parameters,
     pub(super) table: RuleTable,
     pub(super) chains: Chains,
-    pub(super) evidence: Evidence,
-    pub(super) budget: Budget,
-    tail: Tail,
+    /// What `adaptive` judges by; `plat` never asks.
+    judgement: OnceLock<Judgement>,
     symbols: OnceLock<SymbolIndex>,
     /// Made for the second monitor; from then on every one begins with a copy.
     lanes: OnceLock<Lanes>,
     watched: OnceLock<()>,
     fingerprint: OnceLock<u64>,
     is_part: bool,
+}
+
+/// What an alarm rests on.
+#[derive(Debug, Clone)]
+pub(super) struct Judgement {
+    pub(super) evidence: Evidence,
+    pub(super) budget: Budget,
+    tail: Tail,
+}
+
+impl Judgement {
+    /// For the chains of a part, which are these of the whole.
+    pub(super) fn of_part(&self, whole_chain: &[usize]) -> Self {
+        Self { evidence: self.evidence.of_part(whole_chain), ..self.clone() }
+    }
 }
 
 /// "Learned from the longest nominal pause": this many times it.
@@ -76,12 +90,6 @@ impl NominalModel {
         rules.shrink_to_fit();
         let chains = Chains::of(&plant);
         let table = RuleTable::build(&mut rules, &chains, states.len());
-        let resolution_s = learned.resolution as f64 / SECOND as f64;
-        let stems: Vec<u64> = (0..).zip(&plant.signals).map(|(i, _)| stem(&plant, i)).collect();
-        let names = Names { plant: &plant, states: &states, chains: &chains, stems: &stems };
-        let evidence = Evidence::of(&rules, names, resolution_s);
-        let budget = Budget::of(&parameters, &learned, &rules, &table, names, &evidence);
-        let tail = Tail::new(budget.per_tail);
         Self {
             plant,
             states,
@@ -90,9 +98,7 @@ impl NominalModel {
             parameters,
             table,
             chains,
-            evidence,
-            budget,
-            tail,
+            judgement: OnceLock::new(),
             symbols: OnceLock::new(),
             lanes: OnceLock::new(),
             watched: OnceLock::new(),
@@ -108,7 +114,7 @@ impl NominalModel {
         states: States,
         rules: Vec<Rule>,
         learned: Learned,
-        (table, chains, evidence): (RuleTable, Chains, Evidence),
+        (table, chains, judgement): (RuleTable, Chains, Judgement),
     ) -> Self {
         Self {
             plant,
@@ -118,9 +124,7 @@ impl NominalModel {
             parameters: self.parameters.clone(),
             table,
             chains,
-            evidence,
-            budget: self.budget,
-            tail: self.tail,
+            judgement: OnceLock::from(judgement),
             symbols: OnceLock::new(),
             lanes: OnceLock::new(),
             watched: OnceLock::new(),
@@ -133,6 +137,21 @@ impl NominalModel {
     /// saved nor changed by itself.
     pub fn is_part(&self) -> bool {
         self.is_part
+    }
+
+    /// How probable what was not seen is, and what of it the budget pays for.
+    pub(super) fn judgement(&self) -> &Judgement {
+        self.judgement.get_or_init(|| {
+            let resolution_s = self.learned.resolution as f64 / SECOND as f64;
+            let signals = 0..self.plant.signals.len() as SignalIndex;
+            let stems: Vec<u64> = signals.map(|signal| stem(&self.plant, signal)).collect();
+            let names = Names { stems: &stems, ..self.names() };
+            let evidence = Evidence::of(&self.rules, names, resolution_s);
+            let (learned, table) = (&self.learned, &self.table);
+            let budget =
+                Budget::of(&self.parameters, learned, &self.rules, table, names, &evidence);
+            Judgement { tail: Tail::new(budget.per_tail), evidence, budget }
+        })
     }
 
     /// What tells sisters.
@@ -212,8 +231,9 @@ impl NominalModel {
             Timing::Adaptive if self.kind(rule.chain) == ChainKind::Group => Vec::new(),
             Timing::Adaptive => {
                 let resolution_s = self.learned.resolution as f64 / SECOND as f64;
-                let shapes = self.evidence.shapes(rule, self.names());
-                limits::adaptive(rule.judged(), self.tail, &shapes, resolution_s)
+                let judgement = self.judgement();
+                let shapes = judgement.evidence.shapes(rule, self.names());
+                limits::adaptive(rule.judged(), judgement.tail, &shapes, resolution_s)
             }
         }
     }
@@ -222,8 +242,9 @@ impl NominalModel {
     /// without its enabling one.
     pub(super) fn accepted_without_trigger(&self, rule: usize) -> Vec<Accepted> {
         let resolution_s = self.learned.resolution as f64 / SECOND as f64;
-        let shapes = self.evidence.shapes_without_trigger();
-        limits::adaptive(&self.rules[rule].clusters, self.tail, shapes, resolution_s)
+        let judgement = self.judgement();
+        let shapes = judgement.evidence.shapes_without_trigger();
+        limits::adaptive(&self.rules[rule].clusters, judgement.tail, shapes, resolution_s)
     }
 
     /// Seconds after which a time is late, for the cluster that takes longest; `None` where no
@@ -267,7 +288,7 @@ impl NominalModel {
     fn hash(&self) -> u64 {
         let mut hash = xxhash_rust::xxh3::Xxh3::new();
         for signal in &self.plant.signals {
-            hash.update(signal.symbol.as_bytes());
+            hash.update(signal.symbol().as_bytes());
             hash.update(&[0]);
         }
         for rule in &self.rules {

@@ -49,10 +49,10 @@ impl NominalModel {
                 .collect(),
             ..self.learned.clone()
         };
-        let evidence = self.evidence.of_part(&whole_chain);
+        let judgement = self.judgement().of_part(&whole_chain);
         let states = numbers.states;
         let plant = part.plant.clone();
-        (self.cut(plant, states, rules, learned, (table, chains, evidence)), part)
+        (self.cut(plant, states, rules, learned, (table, chains, judgement)), part)
     }
 
     /// Lists of groups, each of which needs no other: one each, but for those whose transitions

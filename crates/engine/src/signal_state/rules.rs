@@ -1,6 +1,6 @@
 //! Transition rules (Ghosh 2016, Table 2), and the flat table they are looked up in.
 
-use crate::timing::TimeCluster;
+use crate::timing::{Clusters, TimeCluster};
 
 use super::chains::{ChainIndex, ChainKind, Chains};
 use super::enabling::Trigger;
@@ -27,9 +27,9 @@ pub struct Rule {
     /// Place in the order of first appearance inside its chain.
     pub position: u32,
     /// Long-run variance of the branch, see [`super::dispersion`].
-    pub dispersion: f64,
+    pub dispersion: f32,
     /// Its times; empty where none was ever measured (a confirmed path).
-    pub clusters: Box<[TimeCluster]>,
+    pub clusters: Clusters,
     /// What it really waits for, where that is not the device's own last event.
     pub trigger: Option<Box<Trigger>>,
 }

@@ -75,7 +75,7 @@ pub struct SharesBySisters {
 impl SharesBySisters {
     /// Counts the clusters of a rule.
     pub fn add(&mut self, rule: &Rule, family: Family) {
-        if rule.evidence() >= BODY_INSTANCES {
+        if rule.evidence() >= u64::from(BODY_INSTANCES) {
             self.families.entry(family).or_default().add(rule);
             self.all.add(rule);
         }

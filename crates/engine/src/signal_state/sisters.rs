@@ -30,7 +30,7 @@ pub struct Names<'a> {
 /// What a signal's and its device's names have in common with those of sisters.
 pub fn stem(plant: &Plant, signal: SignalIndex) -> u64 {
     let mut hash = xxhash_rust::xxh3::Xxh3::new();
-    for name in [&plant.device_of(signal).name, &plant.signals[signal as usize].name] {
+    for name in [plant.device_of(signal).name.as_str(), plant.signals[signal as usize].name()] {
         for part in name.split(|c: char| c.is_ascii_digit()) {
             hash.update(part.as_bytes());
         }

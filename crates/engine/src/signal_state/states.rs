@@ -107,8 +107,8 @@ pub fn full_state_name(plant: &Plant, signal: SignalIndex, value: i64) -> String
 /// `Signal2_ON`, as it reads inside its device.
 pub fn short_state_name(plant: &Plant, signal: SignalIndex, value: i64) -> String {
     let signal = &plant.signals[signal as usize];
-    let mut short = String::with_capacity(signal.name.len() + 8);
-    short.push_str(&signal.name);
+    let mut short = String::with_capacity(signal.name().len() + 8);
+    short.push_str(signal.name());
     push_value_suffix(&mut short, signal.word, value);
     short
 }

@@ -67,8 +67,8 @@ impl<'a> Teller<'a> {
         Finding {
             group: Some(self.model.group_name(chain).to_owned()),
             device: Some(plant.device_of(index).name.clone()),
-            signal: Some(signal.name.clone()),
-            address: signal.address.clone(),
+            signal: Some(signal.name().to_owned()),
+            address: signal.address().map(str::to_owned),
             to: Some(self.state_name(state)),
             ..Finding::new(kind, model, time)
         }

@@ -19,12 +19,12 @@ pub fn merge(
         let kept = &mut clusters[left];
         let instances = kept.instances + right.instances;
         // Lines 24-27: the mean weighted by instances.
-        kept.average_s = (kept.average_s * kept.instances as f64
-            + right.average_s * right.instances as f64)
-            / instances as f64;
+        kept.average_s = (kept.average_s * f64::from(kept.instances)
+            + right.average_s * f64::from(right.instances))
+            / f64::from(instances);
         kept.instances = instances;
         kept.maximum_s = right.maximum_s;
-        kept.probability = instances as f64 / sorted.len() as f64;
+        kept.probability = f64::from(instances) / sorted.len() as f64;
     }
     clusters.retain(|cluster| cluster.probability > minimum_support);
     if clusters.is_empty() {

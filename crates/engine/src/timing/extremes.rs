@@ -42,7 +42,7 @@ impl Extremes {
         let threshold = reaches[FARTHEST - 1];
         let excess = |reach: &f64| reach - threshold;
         Some(Self {
-            draws: clusters.iter().map(|cluster| cluster.instances as f64).sum(),
+            draws: clusters.iter().map(|cluster| f64::from(cluster.instances)).sum(),
             threshold,
             mean_excess: reaches[..FARTHEST].iter().map(excess).sum::<f64>() / FARTHEST as f64,
         })
@@ -57,12 +57,13 @@ impl Extremes {
 
 /// Distance of the extreme instance, in standard deviations, both as they are without it.
 fn reach(cluster: &TimeCluster, side: Side, resolution_s: f64) -> f64 {
-    let n = cluster.instances as f64;
+    let n = f64::from(cluster.instances);
     let distance = match side {
         Side::Early => cluster.average_s - cluster.minimum_s,
         Side::Late => cluster.maximum_s - cluster.average_s,
     };
-    let others = (n * cluster.deviation_s.powi(2) - distance.powi(2) * n / (n - 1.0)) / (n - 1.0);
+    let others =
+        (n * f64::from(cluster.deviation_s).powi(2) - distance.powi(2) * n / (n - 1.0)) / (n - 1.0);
     distance * n / (n - 1.0) / others.max(0.0).sqrt().max(resolution_s)
 }
 
@@ -92,7 +93,7 @@ mod tests {
             .collect();
         let all: Vec<&TimeCluster> = clusters.iter().collect();
         let extremes = Extremes::of(&all, Side::Late, 0.001);
-        let scale = clusters.iter().map(|c| c.deviation_s).sum::<f64>() / 2000.0;
+        let scale = clusters.iter().map(|c| f64::from(c.deviation_s)).sum::<f64>() / 2000.0;
         // No sum of three is farther than 1.5 from its mean; few come near.
         let seconds = extremes.map(|law| law.distance(1e-6) * scale);
         assert!(seconds.is_some_and(|s| (1.2..2.2).contains(&s)), "{seconds:?}");

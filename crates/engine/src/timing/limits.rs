@@ -18,7 +18,7 @@ use super::extremes::Side;
 use super::shape::Shapes;
 
 /// Clusters with fewer instances are *rare but seen*: accepted, but no basis for a limit.
-pub const BODY_INSTANCES: u64 = 3;
+pub const BODY_INSTANCES: u32 = 3;
 
 /// The published allowance Δ over a maximum, in seconds (Ghosh 2016, below Table 4).
 pub fn plat_allowance_s(maximum_s: f64) -> f64 {
@@ -68,10 +68,10 @@ pub fn adaptive(
     clusters
         .iter()
         .map(|cluster| {
-            let instances = cluster.instances as f64;
+            let instances = f64::from(cluster.instances);
             let exponential = shapes.exponential(cluster);
-            let reach = |side: Side, scale: f64, extreme: f64| {
-                let scale = scale.max(resolution_s);
+            let reach = |side: Side, scale: f32, extreme: f64| {
+                let scale = f64::from(scale).max(resolution_s);
                 if cluster.instances < BODY_INSTANCES {
                     return extreme + scale;
                 }
@@ -81,7 +81,7 @@ pub fn adaptive(
                 let alpha = (tail.alpha / (2.0 * exponential)).min(1.0);
                 // The nearer of the two: a few clusters that are two times in one would otherwise
                 // widen the limits of all.
-                let deviation = cluster.deviation_s.max(resolution_s);
+                let deviation = f64::from(cluster.deviation_s).max(resolution_s);
                 let of_plant = shapes.extremes(side, cluster.instances);
                 let bounded = of_plant
                     .map_or(f64::INFINITY, |law| deviation * law.distance(tail.alpha / 2.0))

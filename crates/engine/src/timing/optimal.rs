@@ -52,9 +52,10 @@ pub fn cluster(sorted: &[f64], resolution_s: f64) -> Vec<TimeCluster> {
     join_unseparated(sorted, &starts, resolution_s)
         .map(|run| {
             let mut cluster = TimeCluster::of(run, sorted.len());
-            (cluster.early_scale_s, cluster.late_scale_s) = half_scales(run);
-            cluster.deviation_s = deviation(run, cluster.average_s);
-            cluster.tail_gini = tail_gini(run);
+            let (early_s, late_s) = half_scales(run);
+            (cluster.early_scale_s, cluster.late_scale_s) = (early_s as f32, late_s as f32);
+            cluster.deviation_s = deviation(run, cluster.average_s) as f32;
+            cluster.tail_gini = tail_gini(run) as f32;
             cluster
         })
         .collect()

@@ -10,7 +10,7 @@ use super::TimeCluster;
 use super::extremes::{Extremes, Side};
 
 /// Instances from which a cluster says something of its shape.
-pub const SHAPE_INSTANCES: u64 = 20;
+pub const SHAPE_INSTANCES: u32 = 20;
 /// Gini coefficient of exponential tails.
 const EXPONENTIAL: f64 = 0.5;
 /// Bounded times show no more than this: that of a normal law, and a little.
@@ -20,7 +20,7 @@ const TICKS: f64 = 2.0;
 /// Scales below so many would let the ticks reach far.
 const TICKS_OF_EXTREMES: f64 = 4.0;
 /// Instances from which a cluster's own spread is well known.
-const MANY_INSTANCES: u64 = 40;
+const MANY_INSTANCES: u32 = 40;
 /// Clusters that are taken to be exponential before any has been seen.
 const PRIOR_CLUSTERS: f64 = 1.0;
 const ROUNDS: usize = 25;
@@ -49,7 +49,8 @@ impl Shapes {
         if telling.is_empty() {
             return shapes;
         }
-        let mut ginis: Vec<f64> = telling.iter().map(|cluster| cluster.tail_gini).collect();
+        let mut ginis: Vec<f64> =
+            telling.iter().map(|cluster| f64::from(cluster.tail_gini)).collect();
         ginis.sort_unstable_by(f64::total_cmp);
         shapes.bounded_gini = ginis[ginis.len() / 2].min(BOUNDED_AT_MOST);
         shapes.exponential = 0.5;
@@ -58,8 +59,7 @@ impl Shapes {
             shapes.exponential = (sum + PRIOR_CLUSTERS) / (telling.len() as f64 + PRIOR_CLUSTERS);
         }
         let bounded = telling.into_iter().filter(|cluster| {
-            shapes.probability(cluster) < 0.5
-                && scale_of(cluster) >= TICKS_OF_EXTREMES * resolution_s
+            shapes.probability(cluster) < 0.5 && spreads(cluster, TICKS_OF_EXTREMES * resolution_s)
         });
         let (many, few): (Vec<&TimeCluster>, Vec<&TimeCluster>) =
             bounded.partition(|cluster| cluster.instances >= MANY_INSTANCES);
@@ -92,7 +92,7 @@ impl Shapes {
 
     /// How far bounded times of a cluster of so many instances reach on a side, where the plant
     /// tells.
-    pub fn extremes(&self, side: Side, instances: u64) -> Option<&Extremes> {
+    pub fn extremes(&self, side: Side, instances: u32) -> Option<&Extremes> {
         let of_size = &self.extremes[usize::from(instances >= MANY_INSTANCES)];
         of_size[usize::from(side == Side::Late)].as_ref()
     }
@@ -104,8 +104,8 @@ impl Shapes {
 
     fn probability(&self, cluster: &TimeCluster) -> f64 {
         let density = |gini: f64| {
-            let away = cluster.tail_gini.min(EXPONENTIAL) - gini;
-            (-6.0 * cluster.instances as f64 * away * away).exp()
+            let away = f64::from(cluster.tail_gini).min(EXPONENTIAL) - gini;
+            (-6.0 * f64::from(cluster.instances) * away * away).exp()
         };
         let exponential = self.exponential * density(EXPONENTIAL);
         let bounded = (1.0 - self.exponential) * density(self.bounded_gini);
@@ -114,18 +114,20 @@ impl Shapes {
 }
 
 fn is_telling(cluster: &TimeCluster, resolution_s: f64) -> bool {
-    cluster.instances >= SHAPE_INSTANCES && scale_of(cluster) >= TICKS * resolution_s
+    cluster.instances >= SHAPE_INSTANCES && spreads(cluster, TICKS * resolution_s)
 }
 
-fn scale_of(cluster: &TimeCluster) -> f64 {
-    cluster.late_scale_s.max(cluster.early_scale_s)
+/// True where a tail is at least so long. In single precision, as scales are kept: that of a log
+/// of whole ticks is often the very number.
+fn spreads(cluster: &TimeCluster, scale_s: f64) -> bool {
+    cluster.late_scale_s.max(cluster.early_scale_s) >= scale_s as f32
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn cluster(instances: u64, tail_gini: f64) -> TimeCluster {
+    fn cluster(instances: u32, tail_gini: f32) -> TimeCluster {
         TimeCluster {
             instances,
             average_s: 1.0,

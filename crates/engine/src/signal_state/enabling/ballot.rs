@@ -95,6 +95,35 @@ impl Ballot {
         }
     }
 
+    /// Whether some state but the own last event's is met by so many of the voters at one steady
+    /// distance. Most transitions wait for nothing: this is most of the search, and asks for little.
+    pub(super) fn promises(
+        &mut self,
+        index: &Happenings<'_>,
+        election: &Election<'_>,
+        (voters, enough): (usize, u32),
+    ) -> bool {
+        self.ask(index, election, voters);
+        self.count(election.current, enough);
+        let mut start = 0;
+        for &state in &self.met {
+            let end = self.tallies[state as usize].votes as usize;
+            let meetings = &mut self.sorted[start..end];
+            start = end;
+            if state == election.current || meetings.len() < enough as usize {
+                continue;
+            }
+            meetings.sort_unstable();
+            if may_enable(index, state, election.next, meetings)
+                && densest(meetings, election.steady)
+                    .is_some_and(|(mask, _)| mask.count_ones() >= enough)
+            {
+                return true;
+            }
+        }
+        false
+    }
+
     /// Lets a sample of the instances look back; the own last event always stands for election.
     pub(super) fn vote(
         &mut self,
@@ -102,20 +131,7 @@ impl Ballot {
         election: &Election<'_>,
         voters: usize,
     ) -> Vec<Candidate> {
-        self.open(voters);
-        let sample = |voter: usize| voter * election.instances.len() / voters;
-        // Each looks at another place of a long log.
-        for voter in 0..voters {
-            let (group, place) = index.around(election.instances[sample(voter)]);
-            // Four events a cache line.
-            for back in [0, 4, 8] {
-                prefetch_index(group, place.saturating_sub(back));
-            }
-        }
-        for voter in 0..voters {
-            let at = sample(voter);
-            self.look_back(index, election, voter, at);
-        }
+        self.ask(index, election, voters);
         let least = (PARTNER * voters as f64).ceil() as u32;
         self.count(election.current, least);
         let mut candidates = Vec::new();
@@ -135,6 +151,23 @@ impl Ballot {
             }
         }
         candidates
+    }
+
+    /// All voters look back, each at another place of a long log.
+    fn ask(&mut self, index: &Happenings<'_>, election: &Election<'_>, voters: usize) {
+        self.open(voters);
+        let sample = |voter: usize| voter * election.instances.len() / voters;
+        for voter in 0..voters {
+            let (group, place) = index.around(election.instances[sample(voter)]);
+            // Four events a cache line.
+            for back in [0, 4, 8] {
+                prefetch_index(group, place.saturating_sub(back));
+            }
+        }
+        for voter in 0..voters {
+            let at = sample(voter);
+            self.look_back(index, election, voter, at);
+        }
     }
 
     fn open(&mut self, voters: usize) {

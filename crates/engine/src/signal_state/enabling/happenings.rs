@@ -55,7 +55,7 @@ impl<'a> Happenings<'a> {
         resolution: Nanoseconds,
     ) -> Self {
         let group_of: Vec<u32> =
-            plant.signals.iter().map(|s| plant.devices[s.device].group as u32).collect();
+            plant.signals.iter().map(|s| plant.devices[s.device()].group as u32).collect();
         let mut sizes = vec![0usize; plant.groups.len()];
         for happening in happenings {
             sizes[group_of[happening.signal as usize] as usize] += 1;

@@ -6,7 +6,7 @@ use crate::log::Nanoseconds;
 use crate::signal_state::states::StateId;
 
 use super::layout::Checked;
-use super::{INLINE, Lanes, NEVER};
+use super::{Band, INLINE, Lanes, NEVER, Traits};
 
 /// What was seen of one cluster of a rule since the last check.
 #[derive(Debug, Clone, Copy, Default)]
@@ -34,9 +34,10 @@ impl Lanes {
         let at = self.layout.lane_of[rule];
         let lane = &self.lanes[at as usize];
         let [one, other] = lane.seen;
-        let further: u32 =
-            self.more[self.layout.others(at as usize)].iter().map(|band| band.seen.count).sum();
-        one + other + further + self.untimed.get(&at).copied().unwrap_or_default()
+        let further: u32 = self.further(at as usize).iter().map(|band| band.seen.count).sum();
+        // Nearly always there is none, and a check asks for every rule of a group.
+        let untimed = if self.untimed.is_empty() { None } else { self.untimed.get(&at) };
+        one + other + further + untimed.copied().unwrap_or_default()
     }
 
     /// What was seen of the clusters of a rule since the last check.
@@ -46,7 +47,14 @@ impl Lanes {
         let bands = usize::from(self.layout.bands[at]).min(INLINE);
         (0..bands)
             .map(|band| Seen { sum: lane.sum[band], count: lane.seen[band] })
-            .chain(self.more[self.layout.others(at)].iter().map(|band| band.seen))
+            .chain(self.further(at).iter().map(|band| band.seen))
+    }
+
+    /// The bands of a lane that are not in it.
+    #[inline]
+    fn further(&self, lane: usize) -> &[Band] {
+        let has = self.lanes[lane].has(Traits::MORE);
+        if has { &self.more[self.layout.others(lane)] } else { &[] }
     }
 
     /// The rules of a group, causes first.
@@ -60,11 +68,18 @@ impl Lanes {
         for checked in layout.checked.get(group).into_iter().flatten() {
             let at = layout.lane_of[checked.rule()];
             let lane = &mut self.lanes[at as usize];
-            (lane.seen, lane.sum) = ([0; INLINE], [0; INLINE]);
-            for band in &mut self.more[layout.others(at as usize)] {
-                band.seen = Seen::default();
+            // What was not counted is not written.
+            if lane.seen != [0; INLINE] {
+                (lane.seen, lane.sum) = ([0; INLINE], [0; INLINE]);
             }
-            self.untimed.remove(&at);
+            if lane.has(Traits::MORE) {
+                for band in &mut self.more[layout.others(at as usize)] {
+                    band.seen = Seen::default();
+                }
+            }
+            if !self.untimed.is_empty() {
+                self.untimed.remove(&at);
+            }
         }
     }
 

@@ -1,4 +1,4 @@
-//! What only some lanes need, side by side; found by counting, not by a table as long as the lanes.
+//! What only some lanes need, side by side.
 
 use prefetch_index::prefetch_index;
 
@@ -25,59 +25,37 @@ pub(super) struct Side {
 pub(super) const PLAIN: Side =
     Side { further: NONE, group: NONE, slot: NONE, due: [NONE; 2], more: 0, bands: 0 };
 
-/// 64 lanes: which have a side, and how many sides there are before them.
-#[derive(Debug, Clone, Copy, Default)]
-struct Block {
-    has: u64,
-    before: u32,
-}
-
 /// The sides of all lanes that have one.
 #[derive(Debug, Default)]
 pub(super) struct Sides {
-    blocks: Vec<Block>,
+    /// By lane: the place of its side, or [`NONE`]. Counting bits would spare it, but takes longer
+    /// than all else that an event needs: not every processor we are built for counts them itself.
+    places: Vec<u32>,
     sides: Vec<Side>,
 }
 
 impl Sides {
-    /// By lane.
+    /// By lane; there are no sides from the last given on.
     pub(super) fn of(by_lane: &[Option<Side>]) -> Self {
         let sides: Vec<Side> = by_lane.iter().flatten().copied().collect();
-        let mut before = 0;
-        let blocks = by_lane.chunks(64).map(|chunk| {
-            let has =
-                (0..).zip(chunk).fold(0, |has, (bit, side)| has | u64::from(side.is_some()) << bit);
-            let block = Block { has, before };
-            before += has.count_ones();
-            block
-        });
-        Self { blocks: blocks.collect(), sides }
+        let mut places = 0..;
+        let place = |side: &Option<Side>| side.and_then(|_| places.next()).unwrap_or(NONE);
+        Self { places: by_lane.iter().map(place).collect(), sides }
     }
 
     /// The side of a lane.
     #[inline(always)]
     pub(super) fn get(&self, lane: usize) -> Option<&Side> {
-        let block = self.blocks.get(lane / 64)?;
-        let bit = 1 << (lane % 64);
-        if block.has & bit == 0 {
-            return None;
-        }
-        self.sides.get(block.place(bit))
+        self.sides.get(*self.places.get(lane)? as usize)
     }
 
-    /// Fetches the side of a lane, or its neighbour's.
+    /// Fetches the side of a lane; the last, where it has none: that is at hand anyway, and who
+    /// has one cannot be guessed.
     #[inline(always)]
     pub(super) fn fetch(&self, lane: usize) {
-        if let Some(block) = self.blocks.get(lane / 64) {
-            prefetch_index(&self.sides, block.place(1 << (lane % 64)));
+        if let Some(&place) = self.places.get(lane) {
+            prefetch_index(&self.sides, (place as usize).min(self.sides.len()));
         }
-    }
-}
-
-impl Block {
-    #[inline(always)]
-    fn place(&self, bit: u64) -> usize {
-        (self.before + (self.has & (bit - 1)).count_ones()) as usize
     }
 }
 

@@ -51,7 +51,7 @@ impl Context {
         let mut rows = vec![0; plant.groups.len()];
         for (signal, surveyed) in plant.signals.iter_mut().zip(&surveyed) {
             signal.word |= surveyed.word;
-            rows[plant.devices[signal.device].group] += surveyed.rows;
+            rows[plant.devices[signal.device()].group] += surveyed.rows;
         }
         starting::set_chosen(&mut plant, parameters)?;
         let rank = match parameters.timing {
@@ -93,7 +93,7 @@ impl Context {
     /// Signals, and the number of each one's group.
     pub fn signals(&self) -> impl Iterator<Item = (&str, usize)> {
         let group = |device: usize| self.plant.devices[device].group;
-        self.plant.signals.iter().map(move |s| (s.symbol.as_str(), group(s.device)))
+        self.plant.signals.iter().map(move |s| (s.symbol(), group(s.device())))
     }
 
     /// True where the place of rows of one time matters: `plat` takes them as they come.

@@ -14,7 +14,7 @@ use crate::signal_state::order::ScanOrder;
 use crate::signal_state::parameters::Timing;
 use crate::signal_state::rules::Rule;
 use crate::signal_state::states::{StateId, States};
-use crate::timing::TimeCluster;
+use crate::timing::Clusters;
 
 use super::context::Context;
 use super::reading::{self, Events};
@@ -65,9 +65,9 @@ pub(super) struct LearnedRule {
     pub(super) uncounted: u32,
     pub(super) probability: f64,
     pub(super) position: u32,
-    pub(super) dispersion: f64,
-    pub(super) clusters: Vec<TimeCluster>,
-    pub(super) trigger: Option<([StateId; 2], Vec<TimeCluster>)>,
+    pub(super) dispersion: f32,
+    pub(super) clusters: Clusters,
+    pub(super) trigger: Option<([StateId; 2], Clusters)>,
 }
 
 impl LearnedRule {
@@ -82,10 +82,10 @@ impl LearnedRule {
             probability: rule.probability,
             position: rule.position,
             dispersion: rule.dispersion,
-            clusters: rule.clusters.into_vec(),
+            clusters: rule.clusters,
             trigger: rule.trigger.map(|trigger| {
                 let Trigger { states, clusters } = *trigger;
-                (states, clusters.into_vec())
+                (states, clusters)
             }),
         }
     }
@@ -140,7 +140,7 @@ impl Learner {
             return Err(LessonError::Group { group, groups });
         }
         let part = PlantPart::of(&context.plant, &[group]);
-        let signals = part.plant.signals.iter().map(|signal| signal.symbol.clone()).collect();
+        let signals = part.plant.signals.iter().map(|signal| signal.symbol().to_owned()).collect();
         let log = ChangeLog { signals, ..ChangeLog::default() };
         Ok(Self { context, group, part, log, places: Vec::new() })
     }

@@ -150,10 +150,10 @@ fn renumbered(rule: &LearnedRule, chain: usize, number: impl Fn(StateId) -> Stat
         sequence: 0,
         position: rule.position,
         dispersion: rule.dispersion,
-        clusters: rule.clusters.as_slice().into(),
+        clusters: rule.clusters.clone(),
         trigger: rule.trigger.as_ref().map(|(states, clusters)| {
             let states = states.map(&number);
-            Box::new(Trigger { states, clusters: clusters.as_slice().into() })
+            Box::new(Trigger { states, clusters: clusters.clone() })
         }),
     }
 }

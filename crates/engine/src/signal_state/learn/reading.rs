@@ -34,7 +34,7 @@ pub(super) fn mark_words(plant: &mut Plant, logs: &[&ChangeLog]) {
 /// The plant's index of each of a log's signals.
 fn indices(log: &ChangeLog, plant: &Plant) -> Vec<SignalIndex> {
     let by_symbol: std::collections::HashMap<&str, SignalIndex> =
-        plant.signals.iter().zip(0..).map(|(s, index)| (s.symbol.as_str(), index)).collect();
+        plant.signals.iter().zip(0..).map(|(s, index)| (s.symbol(), index)).collect();
     log.signals.iter().map(|symbol| by_symbol.get(symbol.as_str()).copied().unwrap_or(0)).collect()
 }
 

@@ -9,7 +9,7 @@ use super::LearnError;
 
 /// The first signal of each device with an event stands for it, where nobody chose another.
 pub(super) fn set_first(plant: &mut Plant, events: &[Happening]) {
-    let device_of: Vec<u32> = plant.signals.iter().map(|signal| signal.device as u32).collect();
+    let device_of: Vec<u32> = plant.signals.iter().map(|signal| signal.device() as u32).collect();
     let mut first = vec![SignalIndex::MAX; plant.devices.len()];
     for event in events {
         let first = &mut first[device_of[event.signal as usize] as usize];
@@ -38,7 +38,7 @@ pub(super) fn set_chosen(plant: &mut Plant, parameters: &Parameters) -> Result<(
         let index = (0..plant.signals.len() as SignalIndex)
             .find(|&s| {
                 let candidate = &plant.signals[s as usize];
-                candidate.device == device && candidate.name == *signal
+                candidate.device() == device && candidate.name() == *signal
             })
             .ok_or_else(|| error("the device has no such signal"))?;
         plant.devices[device].starting = Some(index);

@@ -138,10 +138,10 @@ fn cluster(
                     .map(|&time| timing::nearest(&clusters, time).unwrap_or(0) as u32)
                     .collect();
                 for (cluster, kind) in clusters.iter_mut().zip(0..) {
-                    cluster.dispersion = dispersion::of_share(&kinds, kind);
+                    cluster.dispersion = dispersion::of_share(&kinds, kind) as f32;
                 }
             } else if let Some(only) = clusters.first_mut() {
-                only.dispersion = dispersion::of_mean(times);
+                only.dispersion = dispersion::of_mean(times) as f32;
             }
             clusters
         }

@@ -9,6 +9,7 @@ use crate::signal_state::events::Row;
 use crate::signal_state::found::{self, Record, Timed, What};
 use crate::signal_state::identity::FindingId;
 use crate::signal_state::incident::{Incident, Occurrence, Placement};
+use crate::signal_state::model::Judgement;
 use crate::signal_state::parameters::Timing;
 use crate::signal_state::snapshot::Snapshot;
 use crate::signal_state::states::NO_STATE;
@@ -30,13 +31,14 @@ impl Monitor {
             let seconds = timed.seconds();
             let accepted = found::accepted(&model, rule, timed);
             let kind = found::broken_limit(&model, rule, &accepted, seconds).0;
-            let odd = model.evidence.odd_time(&model.rules[rule], model.names(), seconds);
-            let affordable = odd <= model.budget.per_time;
+            let Judgement { evidence, budget, .. } = model.judgement();
+            let odd = evidence.odd_time(&model.rules[rule], model.names(), seconds);
+            let affordable = odd <= budget.per_time;
             (kind, if affordable { Severity::Anomaly } else { Severity::Notice })
         };
         // `plat` knows no consequences.
-        let inherits =
-            !plat && (!timed.as_learned || model.evidence.is_open_wait(&model.rules[rule]));
+        let open = || model.judgement().evidence.is_open_wait(&model.rules[rule]);
+        let inherits = !plat && (!timed.as_learned || open());
         let waiting = Waiting { since: timed.since, inherits };
         let what = What::Time { rule: rule as u32, timed };
         let record = Record { what, kind, severity, time, incident: None };
@@ -51,19 +53,14 @@ impl Monitor {
         Entry { state: to, time, .. }: Entry,
     ) {
         let model = Arc::clone(&self.model);
-        let unseen = if model.parameters.timing == Timing::Plat {
-            0.0
-        } else {
-            model.evidence.unknown_transition(
-                &model.rules,
-                &model.table,
-                model.names(),
-                (chain, from),
-            )
+        let affordable = model.parameters.timing == Timing::Plat || {
+            let Judgement { evidence, budget, .. } = model.judgement();
+            let names = model.names();
+            evidence.unknown_transition(&model.rules, &model.table, names, (chain, from))
+                <= budget.per_transition
         };
         let mut finding = self.teller().at(Kind::Transition, chain, to, time);
-        finding.severity =
-            if unseen <= model.budget.per_transition { Severity::Fault } else { Severity::Notice };
+        finding.severity = if affordable { Severity::Fault } else { Severity::Notice };
         finding.state = State::Suspected;
         finding.from = Some(self.teller().state_name(from));
         finding.expected = self.teller().expected_from(from, kind);
