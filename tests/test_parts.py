@@ -13,7 +13,6 @@ from runglight.model import NominalModel, learn
 from runglight.plants.bodyshop import simulate_bodyshop
 from runglight.plants.run import PlantRun
 
-
 FAULTS = InjectionPlan(faults=12, late=6, stalls=2, seed=3, after=0.0)
 
 

@@ -196,6 +196,62 @@ def learn(
 ) -> NominalModel:
     """Learns from fault-free logs. `symbols_csv` is the text of a symbol table; `source` says where they are from; `cycle_json` holds `modes`, `regions` and `cycle` where a cycle machine is wanted."""
 
+def log_columns(names: Sequence[str]) -> list[str | None]:
+    """The names among these of the columns of times, signals and values, as readers know them."""
+
+class LogSurvey:
+    """What learning must know of a whole log; surveys of its pieces merge, in any order."""
+
+    def __init__(self, gaps: Sequence[tuple[int, int]] = ()) -> None:
+        """`gaps` are those of the whole log, (start, end) in nanoseconds, in time order."""
+    def __len__(self) -> int:
+        """Number of rows."""
+    def add(self, batch: Any) -> None:
+        """Takes an Arrow batch: `time` (int64 ns), `signal` (text), `value` (int64), and `place` (int64) where rows of one time have an order. Raises InputError."""
+    def merge(self, state: bytes) -> None:
+        """Takes what another survey's `state()` gave. Raises InputError."""
+    def state(self) -> bytes: ...
+
+class LearningContext:
+    """What learning a group by itself must know of the plant and of the log."""
+
+    @staticmethod
+    def of(
+        survey: LogSurvey, symbols_csv: str | None = None, parameters_json: str = "{}"
+    ) -> LearningContext:
+        """Of the survey of a whole log; table and parameters as for `learn`. Raises InputError."""
+    @staticmethod
+    def restore(state: bytes) -> LearningContext:
+        """Raises InputError."""
+    def state(self) -> bytes: ...
+    @property
+    def groups(self) -> list[str]:
+        """Names of the groups, by number."""
+    @property
+    def rows_of_groups(self) -> list[int]:
+        """Rows of each group."""
+    @property
+    def signals(self) -> list[tuple[str, int]]:
+        """Name of each signal, by number, and the number of its group."""
+    def learner(self) -> GroupLearner: ...
+    def merge(self, lessons: Sequence[bytes], source: Sequence[str] = ()) -> NominalModel:
+        """The model: lessons of all groups, in any order. Raises InputError where one is missing."""
+
+class GroupLearner:
+    """Learns one group after another; holds the rows of one."""
+
+    def add(
+        self,
+        group: Any,
+        time_ns: Any,
+        signal_index: Any,
+        value: Any,
+        place: Any | None = None,
+    ) -> list[bytes]:
+        """Takes rows sorted by group, time and place: numpy arrays (int32, int64, int32, int64, int64). Gives the lessons of groups whose rows are all there. Raises InputError."""
+    def finish(self) -> bytes | None:
+        """The lesson of the last group."""
+
 def identify(
     log: ChangeLog, events_ns: Any, settings_json: str = "{}", names: dict[str, str] = ...
 ) -> Identification:

@@ -155,6 +155,17 @@ fn by_name(plain_names: &[String], names: &[&str], taken: &[usize]) -> Option<us
     })
 }
 
+/// The columns of a long log by their names: time, signal and value.
+pub fn columns_of_changes(names: &[String]) -> [Option<usize>; 3] {
+    let plain_names: Vec<String> = names.iter().map(|name| plain(name)).collect();
+    let mut taken = Vec::new();
+    [&TIME_NAMES[..], &SIGNAL_NAMES, &VALUE_NAMES].map(|known| {
+        let found = by_name(&plain_names, known, &taken);
+        taken.extend(found);
+        found
+    })
+}
+
 /// Finds the layout of a table with a header.
 pub(crate) fn recognise(
     path: &Path,

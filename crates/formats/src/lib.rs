@@ -39,6 +39,7 @@ use runglight_engine::log::ChangeLog;
 pub use csv::{DeclaredEvents, read_events};
 pub use error::{FormatError, RowFault, TableFault};
 pub use format::Format;
+pub use layout::columns_of_changes;
 pub use options::{OnError, ReadOptions};
 pub use output::write;
 pub use report::{BadRow, LeftOut, ReadReport, SHOWN_BAD_ROWS};

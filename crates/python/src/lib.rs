@@ -7,6 +7,7 @@ mod cycle;
 mod errors;
 mod findings;
 mod identify;
+mod lessons;
 mod model;
 mod monitor;
 mod process;
@@ -27,6 +28,9 @@ fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_class::<cycle::PyCycleModel>()?;
     module.add_class::<findings::PyFindings>()?;
     module.add_class::<identify::PyIdentification>()?;
+    module.add_class::<lessons::PyGroupLearner>()?;
+    module.add_class::<lessons::PyLearningContext>()?;
+    module.add_class::<lessons::PyLogSurvey>()?;
     module.add_class::<model::PyNominalModel>()?;
     module.add_class::<model::PyRules>()?;
     module.add_class::<monitor::PyMonitor>()?;
@@ -47,6 +51,7 @@ fn _engine(module: &Bound<'_, PyModule>) -> PyResult<()> {
     module.add_function(wrap_pyfunction!(identify::read_events, module)?)?;
     module.add_function(wrap_pyfunction!(identify::split_name, module)?)?;
     module.add_function(wrap_pyfunction!(identify::sweep_tau, module)?)?;
+    module.add_function(wrap_pyfunction!(lessons::log_columns, module)?)?;
     module.add_function(wrap_pyfunction!(model::learn, module)?)?;
     module.add_function(wrap_pyfunction!(model::load_model, module)?)?;
     module.add_function(wrap_pyfunction!(process::event_log::event_log, module)?)?;

@@ -59,6 +59,11 @@ impl PyRules {
 }
 
 impl PyNominalModel {
+    /// A model without a cycle machine.
+    pub fn of(model: NominalModel, provenance: Provenance) -> Self {
+        Self { model: Arc::new(model), cycle: None, provenance, share: None }
+    }
+
     fn chain(&self, group: &str, device: Option<&str>) -> PyResult<ChainIndex> {
         self.model.find_chain(group, device).ok_or_else(|| {
             let name = device.map_or_else(|| group.to_owned(), |d| format!("{group}-{d}"));

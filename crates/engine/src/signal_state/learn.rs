@@ -1,8 +1,12 @@
 //! Learning the nominal model from fault-free logs (Ghosh 2016, sections 2.4.1 and 2.4.2).
 
 mod clock;
+pub mod context;
+pub mod lesson;
+pub mod merge;
 mod reading;
 mod starting;
+pub mod survey;
 mod timing;
 mod walk;
 
@@ -24,6 +28,7 @@ use super::parameters::{ParameterError, Parameters, Timing};
 use super::rules::{Rule, row_of};
 use super::states::{NO_STATE, StateId, States};
 
+use reading::Run;
 use timing::{Study, Times};
 use walk::{Found, Transitions};
 
@@ -70,16 +75,50 @@ pub fn learn<L: Borrow<ChangeLog>>(
     reading::mark_words(&mut plant, logs);
     let order = (parameters.timing == Timing::Adaptive).then(|| ScanOrder::of(&plant));
     let mut states = States::new(plant.signals.len());
-    let events = reading::read_events(logs, &plant, &mut states, order.as_ref());
-    if events.is_empty() {
+    let runs: Vec<Vec<Run>> = logs.iter().map(|log| reading::runs(log)).collect();
+    let runs = logs.iter().copied().zip(runs.iter().map(Vec::as_slice));
+    let events = reading::read_events(runs, &plant, &mut states, order.as_ref());
+    if events.happenings.is_empty() {
         return Err(LearnError::NoEvents);
     }
-    starting::choose_starting_signals(&mut plant, &events, parameters)?;
-    let chains = Chains::of(&plant);
+    starting::set_chosen(&mut plant, parameters)?;
+    starting::set_first(&mut plant, &events.happenings);
     let resolution = clock::resolution(logs, parameters);
-    let transitions = walk::walk(&events, &chains, states.len());
+    let taught = teach(&events.happenings, &plant, &states, parameters, resolution);
+    let learned = Learned {
+        events: events.happenings.len() as u64,
+        duration: logs.iter().copied().filter_map(span).sum(),
+        resolution,
+        scan_window: clock::scan_window(logs, parameters),
+        longest_pause: taught.longest_pause,
+        group_start: taught.group_start,
+    };
+    Ok(NominalModel::assemble(plant, states, taught.rules, learned, parameters.clone()))
+}
+
+/// What events teach of a plant, or of a part of it.
+struct Taught {
+    /// In the order of first appearance.
+    rules: Vec<Rule>,
+    /// By rule: the event it first ended with.
+    first: Vec<u32>,
+    /// By group.
+    longest_pause: Vec<Nanoseconds>,
+    group_start: Vec<StateId>,
+}
+
+/// Learns from the events of a plant whose starting signals are known.
+fn teach(
+    events: &[Happening],
+    plant: &Plant,
+    states: &States,
+    parameters: &Parameters,
+    resolution: Nanoseconds,
+) -> Taught {
+    let chains = Chains::of(plant);
+    let transitions = walk::walk(events, &chains, states.len());
     let happenings = (parameters.timing == Timing::Adaptive)
-        .then(|| Happenings::of(&events, &plant, &states, resolution));
+        .then(|| Happenings::of(events, plant, states, resolution));
     let study = Study {
         found: &transitions,
         chains: &chains,
@@ -88,16 +127,12 @@ pub fn learn<L: Borrow<ChangeLog>>(
         happenings: happenings.as_ref(),
     };
     let rules = rules(&transitions, study.all(), &chains, states.len());
-    drop(happenings);
-    let learned = Learned {
-        events: events.len() as u64,
-        duration: logs.iter().copied().filter_map(span).sum(),
-        resolution,
-        scan_window: clock::scan_window(logs, parameters),
-        longest_pause: longest_pauses(&events, &chains, plant.groups.len()),
-        group_start: group_starts(&events, &chains, plant.groups.len()),
-    };
-    Ok(NominalModel::assemble(plant, states, rules, learned, parameters.clone()))
+    Taught {
+        rules,
+        first: transitions.first_events(),
+        longest_pause: longest_pauses(events, &chains, plant.groups.len()),
+        group_start: group_starts(events, &chains, plant.groups.len()),
+    }
 }
 
 fn span(log: &ChangeLog) -> Option<Nanoseconds> {

@@ -24,6 +24,11 @@ impl ScanOrder {
         Self { rank }
     }
 
+    /// By signal: its rank.
+    pub fn into_ranks(self) -> Vec<u32> {
+        self.rank
+    }
+
     /// True where of two rows in time order the second comes first.
     #[inline]
     pub fn swaps(&self, first: &Row, second: &Row) -> bool {

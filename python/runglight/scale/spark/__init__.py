@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from runglight.scale.spark.kafka import KafkaChanges, from_kafka
+    from runglight.scale.spark.learning import learn
     from runglight.scale.spark.sinks import FindingSink, JdbcSink, KafkaSink, ParquetSink
     from runglight.scale.spark.watching import Watching, watch
 
@@ -25,6 +26,7 @@ __all__ = [
     "ParquetSink",
     "Watching",
     "from_kafka",
+    "learn",
     "watch",
 ]
 
@@ -36,6 +38,7 @@ _HOMES = {
     "ParquetSink": "runglight.scale.spark.sinks",
     "Watching": "runglight.scale.spark.watching",
     "from_kafka": "runglight.scale.spark.kafka",
+    "learn": "runglight.scale.spark.learning",
     "watch": "runglight.scale.spark.watching",
 }
 

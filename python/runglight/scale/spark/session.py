@@ -21,7 +21,7 @@ def spark_session(
     master: str | None = None, settings: Mapping[str, str] | None = None
 ) -> Iterator[SparkSession]:
     """The session `spark-submit` set up, or one of its own; what Spark raises is one sentence."""
-    _check_installed()
+    check_installed()
     from pyspark.errors import PySparkException  # noqa: PLC0415
     from pyspark.sql import SparkSession  # noqa: PLC0415
 
@@ -45,7 +45,8 @@ def spark_session(
         session.stop()
 
 
-def _check_installed() -> None:
+def check_installed() -> None:
+    """Raises InputError where the extra is missing."""
     for module in _MODULES:
         try:
             found = importlib.util.find_spec(module)

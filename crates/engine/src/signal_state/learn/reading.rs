@@ -1,6 +1,8 @@
 //! From logs to happenings: all events of all logs, in order.
 
-use crate::log::{ChangeLog, SignalIndex};
+use serde::{Deserialize, Serialize};
+
+use crate::log::{ChangeLog, Nanoseconds, SignalIndex};
 use crate::plant::Plant;
 use crate::signal_state::enabling::Happening;
 use crate::signal_state::events::{Meaning, Row, Values, is_image};
@@ -36,21 +38,50 @@ fn indices(log: &ChangeLog, plant: &Plant) -> Vec<SignalIndex> {
     log.signals.iter().map(|symbol| by_symbol.get(symbol.as_str()).copied().unwrap_or(0)).collect()
 }
 
-/// All events of all logs, scans in canonical order where `order` is given.
-pub(super) fn read_events(
-    logs: &[&ChangeLog],
+/// Where rows begin that have no predecessor: those of a log, and those after a gap.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Run {
+    /// Time of the plant's first row.
+    pub(super) begins: Nanoseconds,
+    /// Rows of that time are an image of the plant, and no events.
+    pub(super) image: bool,
+}
+
+/// The runs of a log in time order.
+pub(super) fn runs(log: &ChangeLog) -> Vec<Run> {
+    let first = log.time.first().map(|&begins| Run { begins, image: is_image(first_values(log)) });
+    let after_gaps = log.gaps.iter().filter_map(|gap| {
+        let row = log.time.partition_point(|&time| time < gap.end);
+        Some(Run { begins: *log.time.get(row)?, image: true })
+    });
+    first.into_iter().chain(after_gaps).collect()
+}
+
+/// Events of logs, in order.
+#[derive(Default)]
+pub(super) struct Events {
+    pub(super) happenings: Vec<Happening>,
+    /// By happening: its row; empty where scans are brought into canonical order.
+    pub(super) rows: Vec<u32>,
+}
+
+/// All events of all logs and their runs, scans in canonical order where `order` is given.
+pub(super) fn read_events<'a>(
+    logs: impl Iterator<Item = (&'a ChangeLog, &'a [Run])> + Clone,
     plant: &Plant,
     states: &mut States,
     order: Option<&ScanOrder>,
-) -> Vec<Happening> {
-    let mut events = Vec::with_capacity(logs.iter().map(|log| log.len()).sum());
+) -> Events {
+    let mut events = Events {
+        happenings: Vec::with_capacity(logs.clone().map(|(log, _)| log.len()).sum()),
+        rows: Vec::new(),
+    };
     let mut run = 0;
-    for log in logs {
+    for (log, runs) in logs {
         let to_plant = indices(log, plant);
         let mut values = Values::new(plant.signals.len());
-        let mut gaps = log.gaps.iter().peekable();
-        run += 1;
-        let mut resynchronise = is_image(first_values(log));
+        let mut runs = runs.iter().peekable();
+        let mut seen = false;
         let mut start = 0;
         let mut scan: Vec<Row> = Vec::new();
         while start < log.len() {
@@ -62,25 +93,31 @@ pub(super) fn read_events(
                 signal: to_plant[log.signal[row] as usize],
                 value: log.value[row],
             }));
-            start = end;
-            while gaps.next_if(|gap| gap.end <= time).is_some() {
+            let mut image = false;
+            while let Some(begun) = runs.next_if(|run| run.begins <= time) {
                 run += 1;
-                resynchronise = true;
-                values.doubt();
+                image = begun.image && begun.begins == time;
+                if std::mem::replace(&mut seen, true) {
+                    values.doubt();
+                }
             }
             if let Some(order) = order {
                 order.sort(&mut scan);
             }
-            for row in &scan {
+            for (row, at) in scan.iter().zip(start as u32..) {
                 let meaning = values.take(row.signal, row.value);
-                if meaning == Meaning::Sample || resynchronise {
+                if meaning == Meaning::Sample || image {
                     continue;
                 }
                 let state = states.intern(row.signal, row.value);
                 let doubtful = meaning == Meaning::Doubtful;
-                events.push(Happening { time, signal: row.signal, state, run, doubtful });
+                let happening = Happening { time, signal: row.signal, state, run, doubtful };
+                events.happenings.push(happening);
+                if order.is_none() {
+                    events.rows.push(at);
+                }
             }
-            resynchronise = false;
+            start = end;
         }
     }
     events

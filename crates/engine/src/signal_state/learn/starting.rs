@@ -7,12 +7,8 @@ use crate::signal_state::parameters::Parameters;
 
 use super::LearnError;
 
-/// The first signal of each device with an event stands for it, unless the user says otherwise.
-pub(super) fn choose_starting_signals(
-    plant: &mut Plant,
-    events: &[Happening],
-    parameters: &Parameters,
-) -> Result<(), LearnError> {
+/// The first signal of each device with an event stands for it, where nobody chose another.
+pub(super) fn set_first(plant: &mut Plant, events: &[Happening]) {
     let device_of: Vec<u32> = plant.signals.iter().map(|signal| signal.device as u32).collect();
     let mut first = vec![SignalIndex::MAX; plant.devices.len()];
     for event in events {
@@ -26,6 +22,10 @@ pub(super) fn choose_starting_signals(
             device.starting.get_or_insert(first);
         }
     }
+}
+
+/// The signals the user chose.
+pub(super) fn set_chosen(plant: &mut Plant, parameters: &Parameters) -> Result<(), LearnError> {
     for (name, signal) in &parameters.starting {
         let error = |problem: &str| LearnError::Starting {
             device: name.clone(),

@@ -13,6 +13,17 @@ pub(super) struct Transitions {
     pub(super) instances: Vec<Instance>,
 }
 
+impl Transitions {
+    /// By rule: the event it first ended with.
+    pub(super) fn first_events(&self) -> Vec<u32> {
+        let mut first = vec![0; self.rules.len()];
+        for instance in self.instances.iter().rev() {
+            first[instance.rule as usize] = instance.event;
+        }
+        first
+    }
+}
+
 /// One time a transition happened.
 #[derive(Clone, Copy)]
 pub(super) struct Instance {
