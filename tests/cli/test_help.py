@@ -57,6 +57,18 @@ INJECTION = (
         ("import", ("--to", *READER)),
         ("export", ("--to", *READER)),
         ("simulate", ("--log", "--cycles", "--seed", "--fault", "--labels", "--list")),
+        (
+            "spark learn",
+            ("--output", "--symbols", "--order-column", "--master", "--set", *LEARNING),
+        ),
+        (
+            "spark watch",
+            (
+                *("--to", "--checkpoint", "--plant", "--format", "--plant-by-key", "--starting"),
+                *("--delay", "--quiet", "--ahead", "--every", "--rows", "--until-here"),
+            ),
+        ),
+        ("spark feed", ("--plant", "--format", "--for")),
         ("simulate faults", ("--to", "--labels", "--reference", *INJECTION, *READER)),
     ],
 )
@@ -97,6 +109,7 @@ def test_the_overview(runglight: Command) -> None:
             "mine",
             "predict",
             "control",
+            "spark",
             "import",
             "export",
             "simulate",

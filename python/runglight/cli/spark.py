@@ -2,6 +2,10 @@
 
 from cyclopts import App, Parameter
 
+from runglight.cli.spark_feed import spark_feed
+from runglight.cli.spark_learn import spark_learn
+from runglight.cli.spark_watch import spark_watch
+
 application = App(
     name="spark",
     help=(
@@ -11,18 +15,6 @@ application = App(
     help_format="markdown",
     default_parameter=Parameter(negative="", show_default=False),
 )
-application.command(
-    "runglight.cli.spark_learn:spark_learn",
-    name="learn",
-    help="Learn what nominal looks like from a log of any size.",
-)
-application.command(
-    "runglight.cli.spark_watch:spark_watch",
-    name="watch",
-    help="Watch a stream of changes: a Kafka topic, or a growing directory.",
-)
-application.command(
-    "runglight.cli.spark_feed:spark_feed",
-    name="feed",
-    help="Send the changes of a machine to a Kafka topic.",
-)
+application.command(spark_learn, name="learn")
+application.command(spark_watch, name="watch")
+application.command(spark_feed, name="feed")

@@ -37,12 +37,21 @@ def spark_session(
             f"Spark does not start ({_first_line(error)}); it needs Java 17: is java on the PATH, "
             "or JAVA_HOME set?"
         ) from None
+    _fewer_partitions(session)
     try:
         yield session
     except PySparkException as error:
         raise InputError(_sentence(error)) from error
     finally:
         session.stop()
+
+
+def _fewer_partitions(session: SparkSession) -> None:
+    # 200 where nobody said otherwise, each a task with a Python worker in every micro-batch. A
+    # checkpoint keeps the number it began with.
+    key = "spark.sql.shuffle.partitions"
+    if session.sparkContext.getConf().get(key) is None:
+        session.conf.set(key, str(max(2, session.sparkContext.defaultParallelism)))
 
 
 def check_installed() -> None:
