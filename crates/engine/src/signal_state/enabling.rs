@@ -24,7 +24,7 @@ use crate::timing::optimal;
 
 use super::states::{NO_STATE, StateId};
 
-use ballot::{Ballot, Candidate, Election, VOTERS};
+use ballot::{Ballot, Election, VOTERS};
 use finalists::finalists;
 
 /// What enables a transition, and how long it then takes.
