@@ -1,7 +1,6 @@
 """Files that appear whole or not at all: written to a temporary name, then renamed."""
 
 import os
-import secrets
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -22,7 +21,7 @@ def replacing(target: Path, *, keep_when_interrupted: bool = False) -> Iterator[
     # A link stays a link; what it points to is replaced.
     target = Path(os.path.realpath(target))
     # The ending is kept, so that a writer that goes by it is not misled.
-    temporary = target.with_name(f".{target.stem}.{secrets.token_hex(4)}{target.suffix}")
+    temporary = target.with_name(f".{target.stem}.{os.urandom(4).hex()}{target.suffix}")
     try:
         yield temporary
     except KeyboardInterrupt:

@@ -2,7 +2,6 @@
 
 import json
 from functools import cache
-from importlib.resources import files
 from typing import Any
 
 KEYS = (
@@ -39,6 +38,9 @@ CONFIRMABLE_KINDS = ("transition", "alarm_path")
 
 @cache
 def _schema_text() -> str:
+    # Every command would pay for it, and hardly any asks.
+    from importlib.resources import files  # noqa: PLC0415
+
     return (files("runglight.findings") / "finding.schema.json").read_text(encoding="utf-8")
 
 
