@@ -17,6 +17,7 @@ use runglight_engine::signal_state::monitor::Monitor;
 use runglight_engine::signal_state::parameters::{Parameters, Timing};
 use runglight_engine::signal_state::states::NO_STATE;
 use runglight_engine::symbols::SymbolTable;
+use runglight_engine::timing::Clusters;
 
 const MS: i64 = 1_000_000;
 const SIGNALS: [&str; 8] =
@@ -169,9 +170,9 @@ fn groups_that_wait_for_one_another_stay_together() {
     assert_eq!(model.independent_groups(), [[0], [1], [2]]);
     let mut rules = model.rules.clone();
     let of_last = rules.iter_mut().find(|rule| model.group_name(rule.chain) == "I");
-    let clusters = Box::default();
+    let clusters = Clusters::default();
     // What enables it is an event of the first group.
-    of_last.expect("a rule").trigger = Some(Box::new(Trigger { states: [1, NO_STATE], clusters: clusters.into_vec().into() }));
+    of_last.expect("a rule").trigger = Some(Box::new(Trigger { states: [1, NO_STATE], clusters }));
     let declared = NominalModel::assemble(
         model.plant.clone(),
         model.states.clone(),
