@@ -18,7 +18,7 @@ PAGE_SOURCES := $(shell find web/src web/public -type f) $(addprefix web/,index.
 HAS_NODE := $(shell node -e 'process.exit(parseInt(process.versions.node) >= 20 ? 0 : 1)' 2>/dev/null && npm --version >/dev/null 2>&1 && echo yes)
 # Spark runs on Java 17 or newer, and Maven fetches Kafka for its tests; without them they are skipped.
 HAS_JAVA := $(shell java -version 2>&1 | grep -Eq 'version "(1[7-9]|[2-9][0-9])' && command -v mvn >/dev/null && echo yes)
-SPARK := $(if $(HAS_JAVA),$(shell echo ,spark,kafka))
+SPARK := $(if $(HAS_JAVA),.venv/spark)
 ENGINE := $(shell find crates -name '*.rs' -o -name Cargo.toml) Cargo.toml Cargo.lock
 
 .PHONY: help setup page demo test test-rust test-python test-page check check-page bench docs clean
@@ -46,7 +46,12 @@ web/node_modules/.package-lock.json: web/package-lock.json
 
 .venv/installed: pyproject.toml $(ENGINE)
 	test -x $(BIN)/python || $(PYTHON) -m venv .venv
-	$(BIN)/pip install -q -e ".[dev$(SPARK)]"
+	$(BIN)/pip install -q -e ".[dev]"
+	touch $@
+
+# Half a gigabyte, which only the tests need.
+.venv/spark: pyproject.toml | .venv/installed
+	$(BIN)/pip install -q -e ".[spark,kafka]"
 	touch $@
 
 demo: page .venv/installed ## Learn a simulated cell, break it, name the fault, show the page
@@ -57,7 +62,7 @@ test: test-rust page test-page test-python ## All tests
 test-rust:
 	cargo test --release --workspace
 
-test-python: .venv/installed
+test-python: .venv/installed $(SPARK)
 	$(BIN)/pytest
 
 ifeq ($(HAS_NODE),yes)

@@ -23,14 +23,14 @@ SILENCE_NS = 400 * SECOND
 
 
 def watched(
-    spark: SparkSession, directory: Path, model: object, *, files_at_once: int = 1
+    spark: SparkSession, directory: Path, model: object, *, checkpoint: str | None = "checkpoint"
 ) -> list[str]:
     """Findings of the files in `in`, all of them judged."""
     watching = on_spark.watch(
-        feeding.stream(spark, directory / "in", files_at_once),
+        feeding.stream(spark, directory / "in", 1),
         model,  # type: ignore[arg-type]
-        on_spark.ParquetSink(str(directory / "out")),
-        checkpoint=str(directory / "checkpoint"),
+        directory / "out",
+        checkpoint=None if checkpoint is None else str(directory / checkpoint),
         ahead_s=None,
         until_here=True,
     )
@@ -77,7 +77,7 @@ def test_a_body_shop(spark: SparkSession, tmp_path: Path) -> None:
     rows = pa.concat_tables([first, stranger, second])
     feeding.write(tmp_path / "in", [*feeding.cut(rows, 2), feeding.heartbeat(end_ns)])
 
-    lines = watched(spark, tmp_path, model)
+    lines = watched(spark, tmp_path, model, checkpoint=None)
 
     [grown] = [line for line in lines if '"unknown_signal"' in line]
     assert json.loads(grown)["signal"] == "Group1-Grown-Sensor"

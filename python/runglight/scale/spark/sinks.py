@@ -7,9 +7,11 @@ once, and a double has the `plant`, `id` and `state` of a row that is there.
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING, Any, Protocol
+from os import PathLike
+from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 if TYPE_CHECKING:
     from pyspark.sql import DataFrame
@@ -99,7 +101,14 @@ class SeveralSinks:
             sink.write(findings, batch)
 
 
-def one_sink(sink: FindingSink | Sequence[FindingSink]) -> FindingSink:
+Sink: TypeAlias = "FindingSink | str | PathLike[str]"
+"""A sink, or the directory of a `ParquetSink`."""
+
+
+def one_sink(sink: Sink | Sequence[Sink]) -> FindingSink:
     """A sink, or several as one."""
-    several: Any = sink
-    return SeveralSinks(list(several)) if isinstance(several, Sequence) else several
+    if isinstance(sink, str | PathLike):
+        return ParquetSink(os.fspath(sink))
+    if isinstance(sink, Sequence):
+        return SeveralSinks([one_sink(each) for each in sink])
+    return sink

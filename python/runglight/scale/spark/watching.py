@@ -3,6 +3,9 @@
 from __future__ import annotations
 
 import functools
+import logging
+import tempfile
+import weakref
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -12,13 +15,16 @@ from runglight.scale.spark.counting import Counts
 from runglight.scale.spark.kafka import KafkaChanges
 from runglight.scale.spark.processor import READ, PartProcessor
 from runglight.scale.spark.shipped_model import Model, ShippedModels, ship
-from runglight.scale.spark.sinks import FindingSink, one_sink
+from runglight.scale.spark.sinks import FindingSink, Sink, one_sink
 
 if TYPE_CHECKING:
     from pyspark.sql import DataFrame
     from pyspark.sql.streaming import StreamingQuery
 
+_log = logging.getLogger("runglight.scale.spark")
+
 SECOND = 1_000_000_000
+_CHECKPOINTS = "spark.sql.streaming.checkpointLocation"
 
 SETTINGS = {
     # What is known of a part lies on the executor's disk, and its changes in the checkpoint.
@@ -32,9 +38,9 @@ SETTINGS = {
 def watch(
     stream: DataFrame | KafkaChanges,
     model: Model | Mapping[str, Model],
-    sink: FindingSink | Sequence[FindingSink],
+    sink: Sink | Sequence[Sink],
     *,
-    checkpoint: str,
+    checkpoint: str | None = None,
     delay_s: float = 10.0,
     quiet_s: float = 30.0,
     ahead_s: float | None = 86_400.0,
@@ -52,8 +58,12 @@ def watch(
     `model` is a model directory, a loaded model, or one for each plant by its name. It travels
     with the query: executors need not see the directory.
 
+    `sink` is one of this package's or anything with its `write`, several of them, or the name of a
+    directory for a `ParquetSink`.
+
     `checkpoint` is a directory that all executors see; a watch that is started again with it goes
-    on where the last one ended. The number of shuffle partitions stays the one it began with.
+    on where the last one ended. Without one (and without `spark.sql.streaming.checkpointLocation`)
+    the next watch begins anew. The number of shuffle partitions stays the one it began with.
 
     Changes wait until the newest time of the stream is `delay_s` ahead of them, so that they are
     judged in order; a part that has been silent `quiet_s` beyond that is told that time went on,
@@ -73,6 +83,12 @@ def watch(
     for key, setting in SETTINGS.items():
         session.conf.set(key, setting)
     ahead_ns = None if ahead_s is None else round(ahead_s * SECOND)
+    place, temporary = checkpoint, None
+    if checkpoint is None and not session.conf.get(_CHECKPOINTS, ""):
+        # A model that is replaced goes on with it.
+        temporary = tempfile.TemporaryDirectory(prefix="runglight-", ignore_cleanup_errors=True)
+        place = temporary.name
+        _log.warning("this watch has no checkpoint: when it is started again it begins anew")
 
     def start(models: ShippedModels) -> StreamingQuery:
         packer = packing.Packer(models, reader, ahead_ns)
@@ -89,7 +105,7 @@ def watch(
         writer = (
             findings.writeStream.queryName(name)
             .outputMode("append")
-            .option("checkpointLocation", checkpoint)
+            .options(**({} if place is None else {"checkpointLocation": place}))
             .foreachBatch(functools.partial(_write, one_sink(sink), counts))
         )
         if until_here:
@@ -99,7 +115,10 @@ def watch(
         return writer.start()
 
     counts = Counts()
-    return Watching(start, ship(model), counts)
+    watching = Watching(start, ship(model), counts)
+    if temporary is not None:
+        weakref.finalize(watching, temporary.cleanup)
+    return watching
 
 
 class Watching:
@@ -147,8 +166,8 @@ def _write(sink: FindingSink, counts: Counts, findings: DataFrame, batch: int) -
         findings.unpersist()
 
 
-def _check(checkpoint: str, delay_s: float, quiet_s: float) -> None:
-    if not checkpoint:
+def _check(checkpoint: str | None, delay_s: float, quiet_s: float) -> None:
+    if checkpoint is not None and not checkpoint:
         raise InputError("watch: checkpoint is empty; name a directory that all executors see")
     for option, seconds in (("delay_s", delay_s), ("quiet_s", quiet_s)):
         if not seconds >= 0:
