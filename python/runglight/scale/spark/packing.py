@@ -17,7 +17,7 @@ from runglight.scale.spark.changes import Changes
 from runglight.scale.wire import GAP
 
 if TYPE_CHECKING:
-    from runglight.scale.spark.shipped_model import ShippedModels
+    from runglight.scale.spark.shipped_model import Models
 
 SCHEMA = (
     "plant string, part string, latest timestamp, partition int, offset bigint, rows binary, "
@@ -46,7 +46,7 @@ Read = Callable[[Any], Changes]
 class Packer:
     """Runs in the executors: a task's record batches in, record batches of chunks out."""
 
-    def __init__(self, models: ShippedModels, read: Read, ahead_ns: int | None) -> None:
+    def __init__(self, models: Models, read: Read, ahead_ns: int | None) -> None:
         self._models = models
         self._read = read
         self._ahead_ns = ahead_ns

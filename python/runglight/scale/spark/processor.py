@@ -12,7 +12,7 @@ from runglight.scale.spark.opening import Opening
 from runglight.scale.spark.part_watcher import MS, PartState, PartWatcher, Told
 
 if TYPE_CHECKING:
-    from runglight.scale.spark.shipped_model import ShippedModels
+    from runglight.scale.spark.shipped_model import Models
 
 STATE = (
     "model string, monitor binary, waiting binary, wake_ms bigint, "
@@ -25,7 +25,7 @@ NO_MODEL = ""
 class PartProcessor(StatefulProcessor):  # type: ignore[misc]
     """Gives each key's chunks to its part's watcher, and keeps what that knows."""
 
-    def __init__(self, models: ShippedModels, quiet_ns: int) -> None:
+    def __init__(self, models: Models, quiet_ns: int) -> None:
         self._models = models
         self._quiet_ns = quiet_ns
 

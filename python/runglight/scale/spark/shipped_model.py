@@ -13,7 +13,7 @@ import tempfile
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias
+from typing import TYPE_CHECKING, Protocol, TypeAlias
 
 from runglight.errors import InputError
 from runglight.model import NominalModel, load_model
@@ -53,6 +53,13 @@ class ShippedModel:
         ):
             archive.extractall(directory, filter="data")
             return load_model(directory)
+
+
+class Models(Protocol):
+    """The models of a stream's plants."""
+
+    def of(self, plant: str) -> ShippedModel | None:
+        """The model of a plant; None where it has none."""
 
 
 @dataclass(frozen=True)

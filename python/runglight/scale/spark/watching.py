@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from runglight.errors import InputError
 from runglight.scale.spark import found, frames, packing
 from runglight.scale.spark.counting import Counts
+from runglight.scale.spark.delivery import Delivery
 from runglight.scale.spark.kafka import KafkaChanges
 from runglight.scale.spark.processor import READ, PartProcessor
 from runglight.scale.spark.shipped_model import Model, ShippedModels, ship
@@ -91,7 +92,9 @@ def watch(
         _log.warning("this watch has no checkpoint: when it is started again it begins anew")
 
     def start(models: ShippedModels) -> StreamingQuery:
-        packer = packing.Packer(models, reader, ahead_ns)
+        # Of both sides: in the executors it is what has come.
+        delivery: Any = Delivery(session, models)
+        packer = packing.Packer(delivery, reader, ahead_ns)
         chunks = (
             frame.mapInArrow(packer, packing.SCHEMA)
             .withWatermark("latest", f"{round(delay_s * 1000)} milliseconds")
@@ -100,7 +103,7 @@ def watch(
             .select("plant", "part", *READ)
         )
         findings = chunks.groupBy("plant", "part").transformWithStateInPandas(
-            PartProcessor(models, round(quiet_s * SECOND)), found.SCHEMA, "Append", "EventTime"
+            PartProcessor(delivery, round(quiet_s * SECOND)), found.SCHEMA, "Append", "EventTime"
         )
         writer = (
             findings.writeStream.queryName(name)
