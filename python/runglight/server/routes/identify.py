@@ -123,7 +123,7 @@ async def get_list(request: Request) -> Response:
     workshop = workshop_of(request)
 
     def look() -> list[Found]:
-        items = [item for item in workshop.catalogue.items() if item.kind != "model"]
+        items = [item for item in workshop.catalogue.items() if item.kind in {"recording", "log"}]
         return [
             Found(item.id, item.name, len(_photos(item)), declared.file_of(item).is_file())
             for item in items
