@@ -23,7 +23,8 @@ def page(result: dict[str, Any]) -> str:
         f"{machine['cores']} cores ({machine['processor']}), {machine['memory_gb']} GB, Python "
         f"{machine['python']}, PySpark 4.0.0, Java 17; load when it ended: "
         f"{', '.join(f'{each:.1f}' for each in machine['load'])}. Driver, executors and (for "
-        "topics) the broker share these cores, so two workers are not twice one.",
+        "topics) the broker share these cores, so two workers are not twice one; where the load is "
+        "above the number of cores, other work had part of them, and a free machine is faster.",
         "",
         f"Body shop `{result['plant']}`, {result['events']:,} events of which one in 500 is "
         f"missing, "
