@@ -141,9 +141,11 @@ class NominalModel:
 
         It judges as the whole model does: what all monitors of a plant's parts tell, put together,
         is what one monitor of the whole model tells of the same rows. Each needs the rows of its
-        own groups only (rows of other parts are passed over), `begin` where the log's first row is
-        not its own, `advance` to learn how far time has come, and `gap` where nothing was recorded;
-        a gap told to several parts is one finding with one id.
+        own groups only (those of others are passed over); `begin`, where the log's first row may be
+        another part's; `advance`, to learn how far time has come, at the end and before a gap; and
+        `gap`, where nothing was recorded: told by several parts, it is one finding with one id.
+        Where there is a scan interval, the rows of one scan must bear one time, as taps write them:
+        else a part may see other scans than the whole plant. A snapshot shows the part alone.
 
         A part is watched with, not saved or changed. Raises InputError for a group that is not
         there, for groups that `parts()` keeps together, and for a model with a cycle machine.

@@ -119,19 +119,27 @@ proptest! {
         together in any::<bool>(),
         plat in any::<bool>(),
         alarms in prop::sample::select(vec![1.0, 100.0, 1e6]),
+        scan_ms in prop::option::of(1i64..2500),
     ) {
         let parameters = Parameters {
             timing: if plat { Timing::Plat } else { Timing::Adaptive },
             check_every: 2,
             false_alarms_per_day: alarms,
+            scan_interval_s: scan_ms.map(|ms| ms as f64 / 1000.0),
             ..Parameters::default()
         };
         let Ok(model) = learn(&[nominal], &SymbolTable::default(), &parameters) else {
             return Ok(());
         };
         let model = Arc::new(model);
+        // A scan's rows bear its time.
+        let scan = scan_ms.map_or(1, |ms| ms * MS);
         let rows: Vec<Row> = (0..watched.len())
-            .map(|i| Row { time: watched.time[i], signal: watched.signal[i], value: watched.value[i] })
+            .map(|i| Row {
+                time: watched.time[i] / scan * scan,
+                signal: watched.signal[i],
+                value: watched.value[i],
+            })
             .collect();
         // A gap lies between two times.
         let gap = gap_after.and_then(|after| {

@@ -76,9 +76,8 @@ def test_rows_that_tell_no_order(spark: SparkSession, tmp_path: Path) -> None:
     log = Log.from_columns(*log.columns(), log.signals, gaps=[silent])
     # Under other names and types: what a historian has.
     written = rows.drop_columns("row").rename_columns(["Time stamp", "Symbol name", "Status"])
-    written = written.set_column(
-        0, "Time stamp", written["Time stamp"].cast(pa.timestamp("us", "UTC"), safe=False)
-    )
+    times = written["Time stamp"].cast(pa.timestamp("ns", "UTC")).cast(pa.timestamp("us", "UTC"))
+    written = written.set_column(0, "Time stamp", times)
     written = written.set_column(2, "Status", written["Status"].cast(pa.float64()))
     frame = there(spark, written, tmp_path / "rows")
     model = learn(frame, symbols, gaps=[silent])
@@ -104,5 +103,8 @@ def test_what_cannot_be_learned_is_said(spark: SparkSession) -> None:
         learn(frame("time long, signal string, value string"))
     with pytest.raises(InputError, match="one has no value"):
         learn(frame("time long, signal string, value double", (1, "A", 0.5)))
+    late = "timestamp_micros(9999999999999999) time, 'A' signal, 1 value"
+    with pytest.raises(InputError, match=r"one has no time \(signal A"):
+        learn(spark.range(1).selectExpr(*late.split(", ")))
     with pytest.raises(InputError, match="unknown key 'tming'"):
         learn(frame(long), tming="plat")

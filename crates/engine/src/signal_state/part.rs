@@ -4,6 +4,11 @@
 //! alarm rests on is told by the whole plant ([`super::evidence`], [`super::budget`]), so a part
 //! keeps it as the whole plant has it; and a transition may wait for another group's event, where
 //! a model says so: those groups stay together ([`NominalModel::independent_groups`]).
+//!
+//! Where events closer than a scan window have no order, a scan is a scan of the plant: it begins
+//! with its first row, whichever group that is of. Rows that bear the time of their scan, as our
+//! taps write them, are cut alike by every part; where each row has a time of its own, a part may
+//! cut other scans than the whole.
 
 use crate::plant_part::PlantPart;
 

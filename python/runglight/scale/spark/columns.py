@@ -56,10 +56,11 @@ def _time(name: str, types: dict[str, str]) -> Column:
     if types[name] == "bigint":
         return F.col(_quoted(name))
     if types[name] == "timestamp":
-        return F.unix_micros(F.col(_quoted(name))) * 1000
+        # What nanoseconds cannot hold (after 2262) is no time.
+        return F.try_multiply(F.unix_micros(F.col(_quoted(name))), F.lit(1000))
     if types[name] == "timestamp_ntz":
         epoch = "TIMESTAMP_NTZ'1970-01-01 00:00:00'"
-        return F.expr(f"timestampdiff(MICROSECOND, {epoch}, {_quoted(name)}) * 1000")
+        return F.expr(f"try_multiply(timestampdiff(MICROSECOND, {epoch}, {_quoted(name)}), 1000)")
     raise InputError(
         f"learn: column {name} is {types[name]}; make it a timestamp, or bigint nanoseconds since "
         "1970 where microseconds are too coarse"
