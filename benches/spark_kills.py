@@ -1,6 +1,6 @@
 """kill -9 of an executor and of the driver, five times each, at random moments.
 
-    python -m benches.spark_kills [--times 5] [--seed 1]
+    python -m benches.spark_kills [--times 5] [--seed 1] [--only executor|driver|kafka]
 
 Every time the findings of the restarted watch are compared with those of one machine. Into Parquet
 none may be lost and none be there twice; into a Kafka topic (killed drivers) none may be lost, and
@@ -79,18 +79,20 @@ def executors(times: int, chance: random.Random, root: Path, model: NominalModel
     return sound
 
 
-def drivers(times: int, chance: random.Random, root: Path, model: NominalModel) -> bool:
+def drivers(
+    times: int, chance: random.Random, root: Path, model: NominalModel, master: str
+) -> bool:
     """Kills the driver's program, its Java machine and its executors."""
     reader = None
     sound = True
     for number in range(times):
         directory = root / f"driver-{number}"
         alone = prepared(directory, model)
-        driver = killing.Driver(directory, CLUSTER)
+        driver = killing.Driver(directory, master)
         batch, seconds = moment(chance)
         wait_for(directory / "checkpoint", batch, seconds)
         driver.kill()
-        assert killing.Driver(directory, CLUSTER).end() == 0
+        assert killing.Driver(directory, master).end() == 0
         if reader is None:
             reader = new_session("local[1]", root / "reader")
         found = feeding.found(reader, directory / "out")
@@ -153,16 +155,22 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--times", type=int, default=5)
     parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--only", choices=["executor", "driver", "kafka"])
+    parser.add_argument("--master", default=CLUSTER, help="of the drivers that are killed")
     options = parser.parse_args()
     chance = random.Random(options.seed)
     model = learn(simulated())
     with tempfile.TemporaryDirectory(prefix="runglight-kills-") as scratch:
         root = Path(scratch)
-        sound = [
-            executors(options.times, chance, root, model),
-            drivers(options.times, chance, root, model),
-            drivers_into_kafka(options.times, chance, root, model, needed.jars("broker")),
-        ]
+        kills = {
+            "executor": lambda: executors(options.times, chance, root, model),
+            "driver": lambda: drivers(options.times, chance, root, model, options.master),
+            "kafka": lambda: drivers_into_kafka(
+                options.times, chance, root, model, needed.jars("broker")
+            ),
+        }
+        wanted = [options.only] if options.only else list(kills)
+        sound = [kills[each]() for each in wanted]
     return 0 if all(sound) else 1
 
 
