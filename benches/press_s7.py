@@ -79,11 +79,14 @@ class ScanClock:
         return random.Random(f"{minute}/burst").random() < BURST_SHARE
 
     def _leap_ns(self, time_ns: int) -> int:
-        """Whole intervals after `time_ns` at whose scans nothing could be seen."""
+        """Whole intervals after `time_ns` until just before a scan that could see something.
+
+        A leap up to that scan would be a stretch without scans, with changes at its end: a gap.
+        """
         due = [due for due in (self.press.next_change_ns(), self.next_ns()) if due is not None]
         until_ns = min([*due, self.time_ns + LEAP_NS])
         until_ns = min(until_ns, self.time_ns + LEAP_NS)
-        return max(-(-(until_ns - time_ns) // self.interval_ns), 0) * self.interval_ns
+        return max(-(-(until_ns - time_ns) // self.interval_ns) - 1, 0) * self.interval_ns
 
 
 Listen = Callable[[Tap], Callable[[Batch], object]]
