@@ -46,7 +46,7 @@ impl Context {
         if surveyed.is_empty() {
             return Err(LearnError::NoEvents);
         }
-        let symbols: Vec<String> = surveyed.iter().map(|s| s.symbol.to_owned()).collect();
+        let symbols: Vec<String> = surveyed.iter().map(|s| s.symbol.clone()).collect();
         let mut plant = Plant::arrange(&symbols, table, &rule);
         let mut rows = vec![0; plant.groups.len()];
         for (signal, surveyed) in plant.signals.iter_mut().zip(&surveyed) {
@@ -56,7 +56,7 @@ impl Context {
         starting::set_chosen(&mut plant, parameters)?;
         let rank = match parameters.timing {
             Timing::Adaptive => ScanOrder::of(&plant).into_ranks(),
-            Timing::Plat => survey.by_name(),
+            Timing::Plat => surveyed.iter().map(|surveyed| surveyed.by_name).collect(),
         };
         Ok(Self {
             plant,

@@ -4,12 +4,13 @@
 //! its rows; surveys of all places, merged in any order, tell of the log what one look at all of
 //! it would have.
 
-use std::collections::BTreeMap;
+use std::collections::HashMap;
 
+use hashbrown::DefaultHashBuilder;
 use serde::{Deserialize, Serialize};
 use thiserror::Error;
 
-use crate::log::{Gap, Nanoseconds, SignalIndex};
+use crate::log::{Gap, Nanoseconds};
 use crate::saved_state;
 
 use super::clock::Phases;
@@ -45,7 +46,7 @@ pub struct Survey {
     gaps: Vec<Gap>,
     /// By gap: time of the first row after it.
     resumes: Vec<Option<Nanoseconds>>,
-    signals: BTreeMap<String, Sighting>,
+    signals: HashMap<String, Sighting, DefaultHashBuilder>,
     /// Least and greatest time.
     span: Option<(Nanoseconds, Nanoseconds)>,
     /// A row of the least time has the value 0.
@@ -152,21 +153,16 @@ impl Survey {
     /// Signals in the order of their first rows, and in that of their names where those are equal.
     pub(super) fn signals(&self) -> Vec<Surveyed<'_>> {
         let mut signals: Vec<(&String, &Sighting)> = self.signals.iter().collect();
-        // Names are in order already.
-        signals.sort_by_key(|(_, sighting)| sighting.first);
-        let surveyed = signals.into_iter().map(|(symbol, sighting)| Surveyed {
-            symbol,
-            word: sighting.word,
-            rows: sighting.rows,
-        });
-        surveyed.collect()
-    }
-
-    /// By signal in the order of [`Self::signals`]: its place in that of names.
-    pub(super) fn by_name(&self) -> Vec<SignalIndex> {
-        let mut signals: Vec<(SignalIndex, &Sighting)> = (0..).zip(self.signals.values()).collect();
-        signals.sort_by_key(|(_, sighting)| sighting.first);
-        signals.into_iter().map(|(place, _)| place).collect()
+        signals.sort_unstable_by_key(|&(symbol, _)| symbol);
+        let mut signals: Vec<_> = (0..)
+            .zip(signals)
+            .map(|(by_name, (symbol, sighting))| {
+                let Sighting { first, word, rows } = *sighting;
+                (first, Surveyed { symbol, by_name, word, rows })
+            })
+            .collect();
+        signals.sort_by_key(|&(first, _)| first);
+        signals.into_iter().map(|(_, surveyed)| surveyed).collect()
     }
 
     /// Where rows begin that have no predecessor.
@@ -188,7 +184,9 @@ impl Survey {
 
 /// A signal as a survey knows it.
 pub(super) struct Surveyed<'a> {
-    pub(super) symbol: &'a str,
+    pub(super) symbol: &'a String,
+    /// Its place in the order of names.
+    pub(super) by_name: u32,
     pub(super) word: bool,
     pub(super) rows: u64,
 }
