@@ -17,6 +17,7 @@ import sys
 import tempfile
 import time
 from dataclasses import asdict, dataclass
+from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
@@ -224,7 +225,7 @@ def main() -> int:
                 finally:
                     end(session)
     result = {
-        "machine": machine(),
+        "machine": {**machine(), "pyspark": version("pyspark")},
         "plant": options.size,
         "events": len(log),
         "parts": len(model.parts()),

@@ -21,7 +21,7 @@ def page(result: dict[str, Any]) -> str:
         "`python -m benches.spark_kills`. How to: [the guide](../guides/spark.md).",
         "",
         f"{machine['cores']} cores ({machine['processor']}), {machine['memory_gb']} GB, Python "
-        f"{machine['python']}, PySpark 4.0.0, Java 17; load when it ended: "
+        f"{machine['python']}, PySpark {machine['pyspark']}, Java 17; load when it ended: "
         f"{', '.join(f'{each:.1f}' for each in machine['load'])}. Driver, executors and (for "
         "topics) the broker share these cores, so two workers are not twice one; where the load is "
         "above the number of cores, other work had part of them, and a free machine is faster.",
