@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from runglight.errors import InputError
 from runglight.log.symbols import names_by_address, read_symbols
 from runglight.server.process.beside import Beside
-from runglight.server.workshop_of import workshop_of
+from runglight.server.workshop_of import kept_of
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -62,9 +62,4 @@ class Besides:
 
 def besides_of(request: Request) -> Besides:
     """Of the server a request is answered by."""
-    state = request.app.state
-    if not hasattr(state, "besides"):
-        state.besides = Besides(workshop_of(request))
-    besides = state.besides
-    assert isinstance(besides, Besides)
-    return besides
+    return kept_of(request, Besides)

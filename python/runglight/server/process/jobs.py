@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from runglight.errors import InputError, RunglightError
 from runglight.server.catalogue import SOURCES
 from runglight.server.process.work import Sources, Wanted, opened, opened_net
-from runglight.server.workshop_of import workshop_of
+from runglight.server.workshop_of import kept_of
 
 if TYPE_CHECKING:
     from starlette.requests import Request
@@ -135,9 +135,4 @@ def _nothing(_stage: str) -> None:
 
 def processes_of(request: Request) -> Processes:
     """Of the server a request is answered by."""
-    state = request.app.state
-    if not hasattr(state, "processes"):
-        state.processes = Processes(workshop_of(request))
-    processes = state.processes
-    assert isinstance(processes, Processes)
-    return processes
+    return kept_of(request, Processes)
