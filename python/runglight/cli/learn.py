@@ -17,7 +17,7 @@ from runglight.cli.reader_options import ReaderOptions, read
 from runglight.configuration import Parameters, SignalState, Source
 from runglight.errors import InputError
 from runglight.log.symbols import read_symbols
-from runglight.model import learn_with
+from runglight.model import NominalModel, learn_with
 from runglight.quantities import duration_s, rate_per_day
 from runglight.replacing import replacing
 from runglight.strictly import convert
@@ -109,13 +109,8 @@ def learn(
     logs = [read(path, configuration.log) for path in sources]
     with terminal.working("Learning"):
         model = learn_with(logs, symbols_csv, parameters, configuration.cycle_json())
-        model.save(output)
-        proposal = output / SYMBOLS
-        with replacing(proposal) as path:
-            path.write_text(model.symbols(), encoding="utf-8")
-    summary = model.summary()
-    say_unnamed(summary, proposal)
-    print_summary(terminal.results(), str(output), summary)
+        save_learned(model, output)
+    say_learned(model, output)
     if model.cycle is not None:
         machine = model.cycle.summary()
         terminal.note(mode_bits_text(machine))
@@ -127,6 +122,20 @@ def parameters_of(configuration: Configuration, learning: LearningOptions) -> Pa
     """What learning takes, from file and options."""
     written = learning.over(configuration.signal_state, configuration.source)
     return convert(written | {"naming": configuration.symbols.naming}, Parameters, "learn")
+
+
+def save_learned(model: NominalModel, output: Path) -> None:
+    """Saves a model, and beside it the symbol table that learning proposes."""
+    model.save(output)
+    with replacing(output / SYMBOLS) as path:
+        path.write_text(model.symbols(), encoding="utf-8")
+
+
+def say_learned(model: NominalModel, output: Path) -> None:
+    """Says what a saved model has learned."""
+    summary = model.summary()
+    say_unnamed(summary, output / SYMBOLS)
+    print_summary(terminal.results(), str(output), summary)
 
 
 def say_unnamed(summary: dict[str, Any], proposal: Path | None = None) -> None:

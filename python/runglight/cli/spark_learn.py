@@ -10,11 +10,9 @@ from cyclopts import Parameter
 
 from runglight.cli import terminal
 from runglight.cli.exit_codes import DONE
-from runglight.cli.learn import SYMBOLS, LearningOptions, parameters_of, say_unnamed
-from runglight.cli.model_tables import print_summary
+from runglight.cli.learn import LearningOptions, parameters_of, save_learned, say_learned
 from runglight.cli.spark_options import SparkOptions
 from runglight.configuration import Configuration
-from runglight.replacing import replacing
 
 if TYPE_CHECKING:
     from pyspark.sql import DataFrame, SparkSession
@@ -83,13 +81,8 @@ def spark_learn(
                 source=[log],
                 **parameters,
             )
-            model.save(output)
-    proposal = output / SYMBOLS
-    with replacing(proposal) as path:
-        path.write_text(model.symbols(), encoding="utf-8")
-    summary = model.summary()
-    say_unnamed(summary, proposal)
-    print_summary(terminal.results(), str(output), summary)
+            save_learned(model, output)
+    say_learned(model, output)
     return DONE
 
 
