@@ -1,5 +1,7 @@
 //! A finding: one departure from the nominal model, in the published schema.
 
+use std::fmt::Write as _;
+
 use serde::{Deserialize, Serialize, Serializer};
 
 use crate::log::Nanoseconds;
@@ -180,12 +182,44 @@ impl Finding {
     pub fn to_json(&self) -> String {
         serde_json::to_string(self).unwrap_or_default()
     }
+
+    /// Appends what [`to_json`](Self::to_json) gives to text in UTF-8.
+    pub fn append_json(&self, text: &mut Vec<u8>) {
+        let before = text.len();
+        if serde_json::to_writer(&mut *text, self).is_err() {
+            text.truncate(before);
+        }
+    }
 }
 
 /// Stable id of a finding: what, where and when, not which batch it came in.
 pub fn stable_id(kind: Kind, place: &str, from: &str, to: &str, time: Nanoseconds) -> String {
-    let text = format!("{kind:?}|{place}|{from}|{to}|{time}");
-    format!("{:012x}", xxhash_rust::xxh3::xxh3_64(text.as_bytes()) & 0xffff_ffff_ffff)
+    StableId::of(kind, place, from, to).at(time)
+}
+
+/// Stable ids of findings that differ in their times only.
+#[derive(Debug)]
+pub struct StableId {
+    /// What is hashed; the time stands at its end.
+    text: String,
+    /// Length without the time.
+    timeless: usize,
+}
+
+impl StableId {
+    /// What and where.
+    pub fn of(kind: Kind, place: &str, from: &str, to: &str) -> Self {
+        let text = format!("{kind:?}|{place}|{from}|{to}|");
+        Self { timeless: text.len(), text }
+    }
+
+    /// The id of that at a time.
+    pub fn at(&mut self, time: Nanoseconds) -> String {
+        self.text.truncate(self.timeless);
+        // A string takes everything.
+        let _ = write!(self.text, "{time}");
+        format!("{:012x}", xxhash_rust::xxh3::xxh3_64(self.text.as_bytes()) & 0xffff_ffff_ffff)
+    }
 }
 
 /// `2026-01-05T06:00:00.12Z`.

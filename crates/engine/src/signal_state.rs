@@ -28,3 +28,4 @@ pub mod sisters;
 pub mod snapshot;
 pub mod states;
 pub mod teller;
+mod telling;

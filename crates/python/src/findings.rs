@@ -1,5 +1,7 @@
 //! `Findings`: in the order they were made, as Arrow or as lines of JSON.
 
+use std::collections::HashMap;
+use std::hash::Hash;
 use std::sync::Arc;
 
 use arrow_array::builder::{
@@ -9,9 +11,9 @@ use arrow_array::builder::{
 use arrow_array::{ArrayRef, RecordBatch};
 use arrow_schema::{ArrowError, DataType, Field, Fields};
 use pyo3::prelude::*;
-use pyo3::types::PyCapsule;
+use pyo3::types::{PyCapsule, PyList, PyString, PyTuple};
 
-use runglight_engine::finding::Finding;
+use runglight_engine::finding::{Finding, Kind, Severity};
 use runglight_engine::signal_state::found::Found;
 
 use crate::errors;
@@ -47,12 +49,90 @@ impl PyFindings {
         py: Python<'py>,
         requested_schema: Option<Bound<'py, PyCapsule>>,
     ) -> PyResult<Bound<'py, PyCapsule>> {
-        let batch = py.detach(|| to_batch(&self.found.iter().collect::<Vec<_>>()));
+        let batch = py.detach(|| {
+            let mut findings = Vec::with_capacity(self.found.len());
+            self.found.tell(|finding| findings.push(finding.clone()));
+            to_batch(&findings)
+        });
         stream::export(py, batch.map_err(errors::input)?, requested_schema)
     }
 
-    fn json_lines(&self, py: Python<'_>) -> Vec<String> {
-        py.detach(|| self.found.iter().map(|finding| finding.to_json()).collect())
+    fn json_lines<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        py.detach(|| Told::of(&self.found)).lines(py)
+    }
+
+    fn told<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
+        let told = py.detach(|| Told::of(&self.found));
+        let kinds = told.names(py, |head| head.kind)?;
+        let severities = told.names(py, |head| head.severity)?;
+        (told.lines(py)?, told.ids(py)?, kinds, severities).into_pyobject(py)
+    }
+}
+
+/// Findings as JSON, and what is counted of each.
+#[derive(Default)]
+struct Told {
+    /// The lines, one behind the other.
+    lines: Vec<u8>,
+    /// The ids, one behind the other.
+    ids: String,
+    heads: Vec<Head>,
+}
+
+/// One finding of [`Told`].
+struct Head {
+    /// Where its line ends.
+    line_end: usize,
+    /// Where its id ends.
+    id_end: usize,
+    kind: Kind,
+    severity: Severity,
+}
+
+impl Told {
+    fn of(found: &Found) -> Self {
+        let mut told = Self { heads: Vec::with_capacity(found.len()), ..Self::default() };
+        found.tell(|finding| {
+            finding.append_json(&mut told.lines);
+            told.ids.push_str(&finding.id);
+            told.heads.push(Head {
+                line_end: told.lines.len(),
+                id_end: told.ids.len(),
+                kind: finding.kind,
+                severity: finding.severity,
+            });
+        });
+        told
+    }
+
+    fn lines<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        let mut start = 0;
+        let line = |head: &Head| {
+            let line = &self.lines[std::mem::replace(&mut start, head.line_end)..head.line_end];
+            PyString::from_bytes(py, line)
+        };
+        PyList::new(py, self.heads.iter().map(line).collect::<PyResult<Vec<_>>>()?)
+    }
+
+    fn ids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
+        let mut start = 0;
+        let id = |head: &Head| &self.ids[std::mem::replace(&mut start, head.id_end)..head.id_end];
+        PyList::new(py, self.heads.iter().map(id))
+    }
+
+    /// One text per finding; equal ones are one object.
+    fn names<'py, Named: serde::Serialize + Copy + Eq + Hash>(
+        &self,
+        py: Python<'py>,
+        of: impl Fn(&Head) -> Named,
+    ) -> PyResult<Bound<'py, PyList>> {
+        let mut known: HashMap<Named, Bound<'py, PyString>> = HashMap::new();
+        let name = |head: &Head| {
+            let named = of(head);
+            let text = || PyString::new(py, &name(&named).unwrap_or_default());
+            known.entry(named).or_insert_with(text).clone()
+        };
+        PyList::new(py, self.heads.iter().map(name))
     }
 }
 

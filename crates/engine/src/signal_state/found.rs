@@ -5,18 +5,15 @@
 
 use std::sync::Arc;
 
-use hashbrown::HashMap;
-
-use crate::finding::{Expected, Finding, Kind, Severity};
+use crate::finding::{Finding, Kind, Severity};
 use crate::log::{Nanoseconds, SECOND};
 use crate::timing::limits::Accepted;
 
 use super::check::Departure;
 use super::identity::{FindingId, Identity};
-use super::message;
 use super::model::NominalModel;
 use super::parameters::Timing;
-use super::teller::Teller;
+use super::telling::Telling;
 
 /// A transition and how long it took.
 #[derive(Debug, Clone, Copy)]
@@ -97,52 +94,6 @@ impl Record {
         let rule = &model.rules[rule];
         Some(Identity::new(self.kind, rule.chain, [rule.current, rule.next], self.time))
     }
-
-    /// The finding, but for its incident.
-    fn tell(&self, model: &NominalModel) -> Finding {
-        let mut finding = match &self.what {
-            What::Time { rule, timed } => self.tell_time(model, *rule as usize, *timed),
-            What::Departure(departure) => self.tell_departure(model, departure),
-            What::Told(finding) => return Finding::clone(finding),
-        };
-        finding.severity = self.severity;
-        if let Some(identity) = self.identity(model) {
-            finding.id = identity.id(Teller::of(model));
-        }
-        finding
-    }
-
-    fn tell_time(&self, model: &NominalModel, rule: usize, timed: Timed) -> Finding {
-        let teller = Teller::of(model);
-        let seconds = timed.seconds();
-        let accepted = accepted(model, rule, timed);
-        let limit_s = broken_limit(model, rule, &accepted, seconds).1;
-        let known = &model.rules[rule];
-        let mut finding = teller.at(self.kind, known.chain, known.next, self.time);
-        finding.from = Some(teller.state_name(known.current));
-        finding.expected = vec![Expected {
-            state: finding.to.clone().unwrap_or_default(),
-            probability: known.probability,
-            limit_s: accepted.iter().map(|a| a.late_s).reduce(f64::max),
-        }];
-        finding.observed_s = Some(seconds);
-        finding.limit_s = Some(limit_s);
-        finding.suspects = message::time_suspects(model, rule);
-        finding.message = message::time(model, rule, timed.as_learned, &finding);
-        finding
-    }
-
-    fn tell_departure(&self, model: &NominalModel, departure: &Departure) -> Finding {
-        let teller = Teller::of(model);
-        let rule = &model.rules[departure.rule];
-        let mut finding = teller.at(self.kind, rule.chain, rule.next, self.time);
-        finding.from = Some(teller.state_name(rule.current));
-        finding.expected = teller.expected_from(rule.current, model.kind(rule.chain));
-        finding.observed_s = Some(departure.observed);
-        finding.limit_s = Some(departure.learned);
-        finding.message = message::departure(model, departure, &finding);
-        finding
-    }
 }
 
 /// Findings in the order they were made.
@@ -186,28 +137,19 @@ impl Found {
     }
 
     /// Tells them one by one.
-    pub fn iter(&self) -> impl Iterator<Item = Finding> + '_ {
-        let mut incidents: HashMap<Identity, Arc<str>> = HashMap::new();
-        self.records.iter().filter_map(move |record| {
-            let Some(model) = &self.model else {
-                let What::Told(finding) = &record.what else { return None };
-                return Some(Finding::clone(finding));
-            };
-            let mut finding = record.tell(model);
-            match &record.incident {
-                // Many findings share one incident.
-                Some(FindingId::Untold(identity)) => {
-                    let id = incidents
-                        .entry(*identity)
-                        .or_insert_with(|| identity.id(Teller::of(model)).into());
-                    finding.incident = id.to_string();
+    pub fn tell(&self, mut hear: impl FnMut(&Finding)) {
+        let Some(model) = &self.model else {
+            for record in &self.records {
+                if let What::Told(finding) = &record.what {
+                    hear(finding);
                 }
-                Some(FindingId::Told(id)) => finding.incident = id.to_string(),
-                None if finding.incident.is_empty() => finding.incident.clone_from(&finding.id),
-                None => {}
             }
-            Some(finding)
-        })
+            return;
+        };
+        let mut telling = Telling::of(model);
+        for record in &self.records {
+            telling.tell(record, &mut hear);
+        }
     }
 
     /// Tells all.
@@ -220,13 +162,15 @@ impl Found {
             };
             return self.records.into_iter().filter_map(whole).collect();
         }
-        self.iter().collect()
+        let mut findings = Vec::with_capacity(self.len());
+        self.tell(|finding| findings.push(finding.clone()));
+        findings
     }
 }
 
 /// Accepted times of a rule: since its enabling event, or without one.
-pub fn accepted(model: &NominalModel, rule: usize, timed: Timed) -> Vec<Accepted> {
-    if timed.as_learned { model.accepted(rule) } else { model.accepted_without_trigger(rule) }
+pub fn accepted(model: &NominalModel, rule: usize, as_learned: bool) -> Vec<Accepted> {
+    if as_learned { model.accepted(rule) } else { model.accepted_without_trigger(rule) }
 }
 
 /// Which limit a time broke, and where that limit lies.

@@ -6,7 +6,7 @@ use std::sync::Arc;
 use serde::ser::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use crate::finding::{Kind, stable_id};
+use crate::finding::{Kind, StableId};
 use crate::log::Nanoseconds;
 
 use super::chains::ChainIndex;
@@ -32,8 +32,12 @@ impl Identity {
     /// The id as it is told.
     pub fn id(&self, teller: Teller<'_>) -> String {
         let name = |state| if state == NO_STATE { String::new() } else { teller.state_name(state) };
-        let place = teller.place_name(self.chain as ChainIndex);
-        stable_id(self.kind, &place, &name(self.from), &name(self.to), self.time)
+        self.what_and_where(teller, &name(self.from), &name(self.to)).at(self.time)
+    }
+
+    /// All that ids are made of but the time, where the names of the states are at hand.
+    pub fn what_and_where(&self, teller: Teller<'_>, from: &str, to: &str) -> StableId {
+        StableId::of(self.kind, &teller.place_name(self.chain as ChainIndex), from, to)
     }
 }
 

@@ -95,30 +95,46 @@ fn state_text_of(model: &NominalModel, state: StateId, kind: ChainKind) -> Strin
     }
 }
 
-/// A transition that took too long or too short.
-pub fn time(model: &NominalModel, rule: usize, from_trigger: bool, finding: &Finding) -> String {
-    let rule = &model.rules[rule];
-    let kind = model.kind(rule.chain);
-    let (observed, limit) =
-        (finding.observed_s.unwrap_or_default(), finding.limit_s.unwrap_or_default());
-    let (verb, bound) = match finding.kind {
-        Kind::Early => ("came too soon", "was not expected before"),
-        _ => ("came late", "was due within"),
-    };
-    let after = rule.trigger.as_ref().filter(|_| from_trigger).map_or_else(
-        || model.short_state_name(rule.current, kind),
-        |trigger| {
-            let states: Vec<String> =
-                trigger.states().map(|s| model.short_state_name(s, ChainKind::Group)).collect();
-            format!("{}, which it waits for", states.join(" and "))
-        },
-    );
-    format!(
-        "{}: {} {verb}, {observed:.2} s after {after}; it {bound} {limit:.2} s{}",
-        place_text(finding),
-        model.short_state_name(rule.next, kind),
-        first_suspect(finding)
-    )
+/// What is said of transitions that took too long or too short, but for the two times.
+#[derive(Debug)]
+pub struct TimeSentence {
+    before: String,
+    between: String,
+    after: String,
+}
+
+impl TimeSentence {
+    /// The sentence for one rule, whose finding is filled in but for its times.
+    pub fn of(model: &NominalModel, rule: usize, from_trigger: bool, finding: &Finding) -> Self {
+        let rule = &model.rules[rule];
+        let kind = model.kind(rule.chain);
+        let (verb, bound) = match finding.kind {
+            Kind::Early => ("came too soon", "was not expected before"),
+            _ => ("came late", "was due within"),
+        };
+        let after = rule.trigger.as_ref().filter(|_| from_trigger).map_or_else(
+            || model.short_state_name(rule.current, kind),
+            |trigger| {
+                let states: Vec<String> =
+                    trigger.states().map(|s| model.short_state_name(s, ChainKind::Group)).collect();
+                format!("{}, which it waits for", states.join(" and "))
+            },
+        );
+        let next = model.short_state_name(rule.next, kind);
+        Self {
+            before: format!("{}: {next} {verb}, ", place_text(finding)),
+            between: format!(" s after {after}; it {bound} "),
+            after: format!(" s{}", first_suspect(finding)),
+        }
+    }
+
+    /// Says it of a time, in the place of what `message` says.
+    pub fn say(&self, observed_s: f64, limit_s: f64, message: &mut String) {
+        let Self { before, between, after } = self;
+        message.clear();
+        // A string takes everything.
+        let _ = write!(message, "{before}{observed_s:.2}{between}{limit_s:.2}{after}");
+    }
 }
 
 /// A group that has stopped.

@@ -29,7 +29,7 @@ impl Monitor {
             (Kind::Late, Severity::Anomaly)
         } else {
             let seconds = timed.seconds();
-            let accepted = found::accepted(&model, rule, timed);
+            let accepted = found::accepted(&model, rule, timed.as_learned);
             let kind = found::broken_limit(&model, rule, &accepted, seconds).0;
             let Judgement { evidence, budget, .. } = model.judgement();
             let odd = evidence.odd_time(&model.rules[rule], model.names(), seconds);

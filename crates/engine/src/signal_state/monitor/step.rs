@@ -81,7 +81,7 @@ impl Monitor {
     /// A known transition that happened without its enabling event, judged by the device's own
     /// times.
     fn take_without_trigger(&mut self, lane: usize, timed: Timed) -> bool {
-        let accepted = found::accepted(&self.model, self.lanes.rule(lane), timed);
+        let accepted = found::accepted(&self.model, self.lanes.rule(lane), timed.as_learned);
         let seconds = timed.seconds();
         let in_time = accepted.is_empty()
             || accepted.iter().any(|a| seconds >= a.early_s && seconds <= a.late_s);
