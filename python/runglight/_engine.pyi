@@ -73,6 +73,8 @@ class Findings:
     def __arrow_c_stream__(self, requested_schema: object | None = None) -> object: ...
     def json_lines(self) -> list[str]:
         """One JSON text per finding, as the published schema describes it."""
+    def told(self) -> tuple[list[str], list[str], list[str], list[str]]:
+        """The JSON, id, kind and severity of each finding."""
 
 class Monitor:
     """Watches one plant; every split of a log into batches gives the same findings."""
@@ -81,6 +83,8 @@ class Monitor:
         """Takes a ChangeLog (its gaps count as declared) or an Arrow table of changes in time order."""
     def bind(self, signals: Sequence[str]) -> None:
         """What the indices of the next two stand for, from now on; names are looked up here, once."""
+    def observe_slice(self, log: ChangeLog, offset: int, length: int) -> Findings:
+        """Takes rows of a log where they are; the same as to observe their slice."""
     def observe_rows(self, time_ns: Any, signal_index: Any, value: Any) -> Findings:
         """Takes changes of bound signals: three numpy arrays (int64, uint32, int64), in time order."""
     def observe_image(self, time_ns: Any, signal_index: Any, value: Any) -> Findings:
@@ -167,6 +171,8 @@ class NominalModel:
     @property
     def signals(self) -> list[str]:
         """Names of the signals as the learned logs call them."""
+    def knows(self, log: ChangeLog) -> bool:
+        """True where every signal of the log is one of them, by its symbol."""
     def symbols_csv(self) -> str:
         """The symbol table in force, as `symbols.csv`."""
     @property

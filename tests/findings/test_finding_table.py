@@ -6,6 +6,7 @@ from rich.console import Console
 
 from runglight.cli.finding_table import print_findings, summary_line
 from runglight.findings.finding import Expected, Finding, Suspect
+from runglight.findings.tally import Tally
 
 
 def finding(number: int, **changes: object) -> Finding:
@@ -106,8 +107,8 @@ def test_summary() -> None:
         finding(2, severity="anomaly", kind="late"),
         finding(3, severity="notice"),
     ]
-    assert summary_line(findings, 1200, 0.5) == (
+    assert summary_line(Tally.of(findings), 1200, 0.5) == (
         "1 fault, 1 anomaly, 1 notice (transition 1, late 1)"
         " · 1,200 events in 0.50 s (2,400 events/s)"
     )
-    assert summary_line([], 1, 0.0) == "No findings · 1 event in 0.00 s"
+    assert summary_line(Tally(), 1, 0.0) == "No findings · 1 event in 0.00 s"

@@ -5,7 +5,10 @@ import sqlite3
 from pathlib import Path
 
 import pytest
+from hypothesis import HealthCheck, given, settings
+from hypothesis import strategies as st
 
+from runglight.findings import store as findings_store
 from runglight.findings.store import FindingStore
 
 
@@ -32,6 +35,40 @@ def test_watching_the_same_log_again_writes_nothing_twice(tmp_path: Path) -> Non
         assert connection.execute("SELECT count(*) FROM finding").fetchone() == (2,)
         assert connection.execute("SELECT count(*) FROM snapshot").fetchone() == (1,)
     connection.close()
+
+
+# Few ids and few states, so that lines come again: side by side, and among others.
+LINES = st.builds(line, st.sampled_from("abcde"), st.sampled_from("xyz"))
+
+
+@settings(
+    deadline=None, max_examples=100, suppress_health_check=[HealthCheck.function_scoped_fixture]
+)
+@given(appended=st.lists(st.lists(LINES, max_size=12), max_size=6), with_ids=st.booleans())
+def test_every_line_is_there_once_in_the_order_it_first_came(
+    monkeypatch: pytest.MonkeyPatch, appended: list[list[str]], with_ids: bool
+) -> None:
+    monkeypatch.setattr(findings_store, "_LINES_AT_ONCE", 3)
+    with FindingStore(None) as store:
+        for lines in appended:
+            ids = [json.loads(each)["id"] for each in lines] if with_ids else None
+            store.append(lines, ids=ids)
+        kept = [each.line for each in store.after(0, 1000)]
+    assert kept == list(dict.fromkeys(each for lines in appended for each in lines))
+
+
+def test_a_log_watched_again_with_another_end(tmp_path: Path) -> None:
+    lines = [line(f"f-{number}", "suspected") for number in range(600)]
+    other = [
+        *lines[:400],
+        *(line(f"g-{number}", "suspected") for number in range(300)),
+        *lines[400:],
+    ]
+    with FindingStore(tmp_path) as store:
+        store.append(lines)
+        store.append(other)
+        kept = [each.line for each in store.after(0, 1000)]
+    assert kept == [*lines, *other[400:700]]
 
 
 def test_nearest_ids(tmp_path: Path) -> None:

@@ -5,6 +5,7 @@
 //! of their file; times never go backwards.
 
 use std::collections::HashMap;
+use std::ops::Range;
 
 use thiserror::Error;
 
@@ -91,6 +92,15 @@ impl ChangeLog {
     /// True where there is no row.
     pub fn is_empty(&self) -> bool {
         self.time.is_empty()
+    }
+
+    /// The gaps that go with some of the rows: each goes with the first row after it.
+    pub fn gaps_among(&self, rows: Range<usize>) -> impl Iterator<Item = &Gap> {
+        let before = rows.start.checked_sub(1).map(|row| self.time[row]);
+        let last = (rows.end > rows.start).then(|| self.time[rows.end - 1]);
+        self.gaps.iter().filter(move |gap| {
+            before.is_none_or(|before| gap.end > before) && last.is_some_and(|last| gap.end <= last)
+        })
     }
 
     /// Checks the columns and sorts rows that lie at most `reorder` before an earlier row.

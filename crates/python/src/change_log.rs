@@ -123,23 +123,13 @@ impl PyChangeLog {
     fn slice(&self, offset: usize, length: Option<usize>) -> Self {
         let start = offset.min(self.log.len());
         let end = length.map_or(self.log.len(), |l| (start + l).min(self.log.len()));
-        let before = start.checked_sub(1).map(|row| self.log.time[row]);
-        let last = (end > start).then(|| self.log.time[end - 1]);
         Self::new(ChangeLog {
             signals: self.log.signals.clone(),
             time: self.log.time[start..end].to_vec(),
             signal: self.log.signal[start..end].to_vec(),
             value: self.log.value[start..end].to_vec(),
             scan_interval: self.log.scan_interval,
-            gaps: self
-                .log
-                .gaps
-                .iter()
-                .filter(|gap| {
-                    before.is_none_or(|b| gap.end > b) && last.is_some_and(|l| gap.end <= l)
-                })
-                .copied()
-                .collect(),
+            gaps: self.log.gaps_among(start..end).copied().collect(),
         })
     }
 

@@ -203,6 +203,12 @@ impl PyNominalModel {
         self.model.plant.signals.iter().map(|signal| signal.symbol()).collect()
     }
 
+    fn knows(&self, log: &Bound<'_, PyChangeLog>) -> bool {
+        let (model, log) = (&self.model, &log.get().log);
+        let found = model.symbols().find_all(&model.plant, log.signals.iter().map(String::as_str));
+        found.iter().all(Option::is_some)
+    }
+
     fn symbols_csv(&self) -> String {
         SymbolTable::of_plant(&self.model.plant)
     }

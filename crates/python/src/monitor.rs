@@ -10,7 +10,7 @@ use pyo3_arrow::PyRecordBatchReader;
 
 use runglight_engine::cycle::model::CycleModel;
 use runglight_engine::joint::JointMonitor;
-use runglight_engine::log::{ChangeLog, SignalIndex};
+use runglight_engine::log::{ChangeLog, Gap, SignalIndex};
 use runglight_engine::signal_state::events::Row;
 use runglight_engine::signal_state::found::Found;
 use runglight_engine::signal_state::model::NominalModel;
@@ -153,19 +153,30 @@ impl PyMonitor {
         Ok(rows)
     }
 
-    /// Rows up to each gap, the gap, the rows after it.
+    /// A whole log with all its gaps.
     pub fn watch(&mut self, log: &ChangeLog) -> Result<Found, MonitorError> {
+        self.watch_rows(log, 0..log.len(), log.gaps.iter())
+    }
+
+    /// Rows up to each gap, the gap, the rows after it.
+    fn watch_rows<'a>(
+        &mut self,
+        log: &ChangeLog,
+        rows: Range<usize>,
+        gaps: impl Iterator<Item = &'a Gap>,
+    ) -> Result<Found, MonitorError> {
         let numbers = self.numbers(&log.signals);
         let mut found = Found::default();
-        let mut start = 0;
-        for gap in &log.gaps {
-            let end = start + log.time[start..].partition_point(|&time| time < gap.end);
+        let mut start = rows.start;
+        for gap in gaps {
+            let times = &log.time[start..rows.end];
+            let end = start + times.partition_point(|&time| time < gap.end);
             self.take_range(log, start..end, &numbers)?;
             found.append(self.monitor.take_found());
             found.append(self.monitor.gap(gap.start, gap.end).into());
             start = end;
         }
-        self.take_range(log, start..log.len(), &numbers)?;
+        self.take_range(log, start..rows.end, &numbers)?;
         found.append(self.monitor.take_found());
         Ok(found)
     }
@@ -242,6 +253,22 @@ impl PyMonitor {
                 py.detach(|| self.watch_stream(reader))?
             }
         };
+        Ok(found.into())
+    }
+
+    fn observe_slice(
+        &mut self,
+        py: Python<'_>,
+        log: &Bound<'_, PyChangeLog>,
+        offset: usize,
+        length: usize,
+    ) -> PyResult<PyFindings> {
+        let log = &log.get().log;
+        let start = offset.min(log.len());
+        let rows = start..start.saturating_add(length).min(log.len());
+        let found = py
+            .detach(|| self.watch_rows(log, rows.clone(), log.gaps_among(rows)))
+            .map_err(errors::input)?;
         Ok(found.into())
     }
 

@@ -32,6 +32,7 @@ from runglight.drawing import draw_svg, graphviz_program
 from runglight.errors import InputError
 from runglight.findings.finding import Finding, decode_finding
 from runglight.findings.store import FindingStore
+from runglight.findings.tally import Tally
 from runglight.log.changelog import read_log
 from runglight.model import NominalModel, learn
 from runglight.recording.read import log_to_its_end
@@ -146,7 +147,8 @@ async def _tell(
         _step(console, 4, "What it was")
         _name_the_fault(console, findings, snapshots)
         print_findings(console, findings, notices=False)
-        console.print(Text(summary_line(findings, watched.rows, watched.machine_s)), soft_wrap=True)
+        line = summary_line(Tally.of(findings), watched.rows, watched.machine_s)
+        console.print(Text(line), soft_wrap=True)
         _next(console, to, model_directory, drawings, findings)
         if port is not None:
             from runglight.cli.demo_page import show_page  # noqa: PLC0415

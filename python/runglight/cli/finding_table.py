@@ -17,7 +17,8 @@ if TYPE_CHECKING:
     from rich.table import Table
     from rich.text import Text
 
-    from runglight.findings.finding import Finding, Headline
+    from runglight.findings.finding import Finding
+    from runglight.findings.tally import Tally
 
 STYLES = {"fault": "bold red", "anomaly": "yellow", "notice": "dim"}
 CONSEQUENCES_SHOWN = 6
@@ -63,24 +64,18 @@ def print_findings(console: Console, findings: Sequence[Finding], *, notices: bo
         _say(console, f"… and {counted(hidden, 'further incident')}: --format jsonl gives all.")
     quiet = [] if notices else [each for each in incidents if not _alarms(each)]
     if quiet:
-        kinds = [finding.kind for incident in quiet for finding in incident]
+        kinds = Counter(finding.kind for incident in quiet for finding in incident)
         _say(
             console,
-            f"{counted(len(kinds), 'notice')} not shown ({_by_kind(kinds)}): "
+            f"{counted(kinds.total(), 'notice')} not shown ({_by_kind(kinds)}): "
             "unusual, but nothing the false-alarm budget pays for. --notices shows them.",
             "dim",
         )
 
 
-def summary_line(findings: Iterable[Finding | Headline], events: int, seconds: float) -> str:
+def summary_line(tally: Tally, events: int, seconds: float) -> str:
     """`1 fault, 2 anomalies (stall 1, late 2) · 12,345 events in 0.1 s (123,450 events/s)`."""
-    kind_of: dict[str, str] = {}
-    severity_of: dict[str, str] = {}
-    for finding in findings:
-        kind_of.setdefault(finding.id, finding.kind)
-        severity_of[finding.id] = finding.severity
-    alarms = [kind for each, kind in kind_of.items() if severity_of[each] != "notice"]
-    severities = Counter(severity_of.values())
+    severities, alarms = tally.severities(), tally.alarms()
     plurals = {"fault": "faults", "anomaly": "anomalies", "notice": "notices"}
     parts = [
         f"{severities[severity]:,} {severity if severities[severity] == 1 else plurals[severity]}"
@@ -199,8 +194,8 @@ def _alarms(incident: Iterable[Finding]) -> bool:
     return any(finding.severity != "notice" for finding in incident)
 
 
-def _by_kind(kinds: Iterable[str]) -> str:
-    return ", ".join(f"{kind} {number:,}" for kind, number in Counter(kinds).most_common())
+def _by_kind(kinds: Counter[str]) -> str:
+    return ", ".join(f"{kind} {number:,}" for kind, number in kinds.most_common())
 
 
 def _seconds(value: float | None) -> str:

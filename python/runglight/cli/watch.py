@@ -20,8 +20,9 @@ from runglight.cli.output import output as output_to
 from runglight.cli.reader_options import ReaderOptions, read
 from runglight.errors import InputError
 from runglight.findings import flat
-from runglight.findings.finding import Finding, Headline, decode_finding, decode_headline
+from runglight.findings.finding import Finding, decode_finding
 from runglight.findings.store import FindingStore
+from runglight.findings.tally import Tally
 from runglight.live.signal_names import names_in_model
 from runglight.model import ROWS_AT_ONCE, load_model
 from runglight.replacing import replacing
@@ -31,8 +32,9 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from runglight.configuration import Configuration, Watch
+    from runglight.findings.batch import Told
     from runglight.log.changelog import Log
-    from runglight.model import Monitor, NominalModel
+    from runglight.model import NominalModel
     from runglight.process.next_activity import NextMonitor
 
 NEXT_STATE = ".next"
@@ -110,20 +112,21 @@ def watch(
     log = _named(as_read, nominal, configuration)
 
     started = time.perf_counter()
-    told = _Telling(settings)
+    telling = _Telling(settings)
     with (
         output_to(settings.output, keep_when_interrupted=settings.format != "table") as stream,
         ExitStack() as stack,
     ):
         store = _store(model, stack)
-        told.begin(stream)
-        for lines in _watched(nominal, log, settings, store):
-            told.tell(lines, stream)
+        telling.begin(stream)
+        for told in _watched(nominal, log, settings, store):
+            telling.tell(told, stream)
         if foreteller is not None:
-            told.tell(_foretold(foreteller, as_read, kept, store), stream)
+            for told in _foretold(foreteller, as_read, kept, store):
+                telling.tell(told, stream)
         seconds = time.perf_counter() - started
-        told.end(stream, len(log), seconds)
-    return FINDINGS if told.met else DONE
+        telling.end(stream, len(log), seconds)
+    return FINDINGS if telling.met else DONE
 
 
 class _Telling:
@@ -132,30 +135,30 @@ class _Telling:
     def __init__(self, settings: Watch) -> None:
         self._settings = settings
         self._findings: list[Finding] = []
-        self._headlines: list[Headline] = []
-        self._alarming = {None: (), "fault": ("fault",), "anomaly": ("fault", "anomaly")}[
-            settings.fail_on
-        ]
+        self._tally = Tally()
+        self._alarming: set[str] = {
+            None: set(),
+            "fault": {"fault"},
+            "anomaly": {"fault", "anomaly"},
+        }[settings.fail_on]
         self.met = False
 
     def begin(self, stream: TextIO) -> None:
         if self._settings.format == "csv":
             stream.write(flat.header())
 
-    def tell(self, lines: list[str], stream: TextIO) -> None:
+    def tell(self, told: Told, stream: TextIO) -> None:
+        self._tally.add(told.ids, told.kinds, told.severities)
+        self.met = self.met or not self._alarming.isdisjoint(told.severities)
         if self._settings.format == "jsonl":
-            stream.writelines(f"{line}\n" for line in lines)
-        for line in lines:
-            headline = decode_headline(line)
-            self.met = self.met or headline.severity in self._alarming
-            self._headlines.append(headline)
-            if self._settings.format == "csv":
-                stream.write(flat.row(line))
-            elif self._settings.format == "table":
-                self._findings.append(decode_finding(line))
+            stream.write("\n".join([*told.lines, ""]))
+        elif self._settings.format == "csv":
+            stream.writelines(map(flat.row, told.lines))
+        else:
+            self._findings += map(decode_finding, told.lines)
 
     def end(self, stream: TextIO, events: int, seconds: float) -> None:
-        line = summary_line(self._headlines, events, seconds)
+        line = summary_line(self._tally, events, seconds)
         if self._settings.format != "table":
             terminal.note(line)
             return
@@ -166,15 +169,15 @@ class _Telling:
 
 def _watched(
     model: NominalModel, log: Log, settings: Watch, store: FindingStore | None
-) -> Iterator[list[str]]:
+) -> Iterator[Told]:
     monitor = model.monitor(_restored(settings.state))
     with terminal.progressing("Watching", len(log)) as advance:
         for offset in range(0, len(log), ROWS_AT_ONCE):
-            batch = log.slice(offset, ROWS_AT_ONCE)
-            yield _kept(monitor.observe(batch).json_lines(), monitor, store)
-            advance(len(batch))
+            found = monitor.observe_slice(log, offset, ROWS_AT_ONCE)
+            yield _kept(found.told(), monitor.take_snapshots(), store)
+            advance(min(ROWS_AT_ONCE, len(log) - offset))
     if settings.state is None:
-        yield _kept(monitor.finish().json_lines(), monitor, store)
+        yield _kept(monitor.finish().told(), monitor.take_snapshots(), store)
     else:
         with replacing(Path(settings.state)) as temporary:
             temporary.write_bytes(monitor.state())
@@ -182,23 +185,19 @@ def _watched(
 
 def _foretold(
     monitor: NextMonitor, log: Log, state: Path | None, store: FindingStore | None
-) -> list[str]:
-    lines = monitor.observe(log).json_lines()
+) -> Iterator[Told]:
+    yield _kept(monitor.observe(log).told(), [], store)
     if state is None:
-        lines += monitor.finish().json_lines()
+        yield _kept(monitor.finish().told(), [], store)
     else:
         with replacing(state) as temporary:
             temporary.write_bytes(monitor.state())
-    if store is not None and lines:
-        store.append(lines, [])
-    return lines
 
 
-def _kept(lines: list[str], monitor: Monitor, store: FindingStore | None) -> list[str]:
-    snapshots = monitor.take_snapshots()
-    if store is not None and (lines or snapshots):
-        store.append(lines, snapshots)
-    return lines
+def _kept(told: Told, snapshots: list[str], store: FindingStore | None) -> Told:
+    if store is not None and (told.lines or snapshots):
+        store.append(told.lines, snapshots, ids=told.ids)
+    return told
 
 
 def _restored(state: str | None) -> bytes | None:
@@ -220,9 +219,9 @@ def _store(model: Path, stack: ExitStack) -> FindingStore | None:
 
 def _named(log: Log, model: NominalModel, configuration: Configuration) -> Log:
     """The log with its signals called as the model calls them, where a symbol table tells."""
-    signals = log.signals
-    if set(signals) <= set(model.signals):
+    if model.knows(log):
         return log
+    signals = log.signals
     name_of = names_in_model(model, configuration.symbols)
     taken = set(signals)
     # A name that the log has already is another signal's.

@@ -3,12 +3,22 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from runglight import _engine
+
+
+class Told(NamedTuple):
+    """Findings in words, and what is counted of them: four lists of one length."""
+
+    lines: list[str]
+    """JSON, as the published schema describes it."""
+    ids: list[str]
+    kinds: list[str]
+    severities: list[str]
 
 
 class Findings:
@@ -32,3 +42,7 @@ class Findings:
     def json_lines(self) -> list[str]:
         """One JSON text per finding, as the published schema describes it."""
         return self._engine.json_lines()
+
+    def told(self) -> Told:
+        """The JSON of each, with its id, kind and severity."""
+        return Told(*self._engine.told())

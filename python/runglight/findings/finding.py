@@ -52,28 +52,12 @@ class Finding(msgspec.Struct, frozen=True):
         return full_name(self.group, self.device)
 
 
-class Headline(msgspec.Struct, frozen=True, gc=False):
-    """As much of a finding as is counted."""
-
-    id: str
-    kind: str
-    severity: str
-
-
 _decoder = msgspec.json.Decoder(Finding)
 
 
 def decode_finding(line: str) -> Finding:
     """The finding of one JSON line."""
     return _decoder.decode(line)
-
-
-_headline_decoder = msgspec.json.Decoder(Headline)
-
-
-def decode_headline(line: str) -> Headline:
-    """What is counted of the finding of one JSON line."""
-    return _headline_decoder.decode(line)
 
 
 def full_name(group: str | None, device: str | None) -> str:

@@ -7,7 +7,7 @@ This is the truth of live watching: what is published or copied elsewhere is rea
 from __future__ import annotations
 
 import sqlite3
-from itertools import islice
+from contextlib import closing
 from typing import TYPE_CHECKING, NamedTuple
 
 import msgspec
@@ -15,7 +15,7 @@ import msgspec
 from runglight.nearest import nearest
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator, Sequence
+    from collections.abc import Iterable, Sequence
     from pathlib import Path
     from types import TracebackType
 
@@ -105,34 +105,79 @@ class FindingStore:
         """Closes the file."""
         self._connection.close()
 
-    def append(self, json_lines: Iterable[str], snapshots: Iterable[str] = ()) -> None:
-        """Writes findings and snapshots in one transaction."""
+    def append(
+        self,
+        json_lines: Iterable[str],
+        snapshots: Iterable[str] = (),
+        *,
+        ids: Sequence[str] | None = None,
+    ) -> None:
+        """Writes findings and snapshots in one transaction; `ids` are the lines' own, where known.
+
+        A line that is there already (the same log watched again) is not written again.
+        """
+        lines = list(json_lines)
+        if ids is None:
+            ids = [_identified.decode(line).id for line in lines]
         with self._connection:
             # Nobody else writes between the look for a line and its writing.
             self._connection.execute("BEGIN IMMEDIATE")
-            for lines in _batched(json_lines, _LINES_AT_ONCE):
-                self._append_new(lines)
+            self._append_new(lines, ids)
             self._connection.executemany(
                 "INSERT INTO snapshot (id, json) VALUES (?, ?)",
                 ((_identified.decode(text).id, text) for text in snapshots),
             )
 
-    def _append_new(self, lines: Sequence[str]) -> None:
-        """Writes the lines that are not there yet (the same log watched again).
+    def _append_new(self, lines: Sequence[str], ids: Sequence[str]) -> None:
+        """Writes the lines that are not there yet.
 
         A unique index over the JSON would hold every line again, and cost most of the writing;
-        asking for each line alone would cost as much.
+        asking for each line alone would cost as much. So ids are looked up, many at once; and once
+        a line is found, those that follow it mostly stand behind it, where they are read in order.
         """
-        ids = [_identified.decode(line).id for line in lines]
+        at = 0
+        while at < len(lines):
+            end = min(at + _LINES_AT_ONCE, len(lines))
+            last = self._append_looked_up(lines[at:end], ids[at:end])
+            at = end
+            if last is not None:
+                at += self._count_behind(last, lines[at:])
+
+    def _append_looked_up(self, lines: Sequence[str], ids: Sequence[str]) -> int | None:
+        """Writes those of a few lines that are not there; where the last stands if it was."""
         places = ",".join("?" * len(ids))
-        there = {
-            line
-            for (line,) in self._connection.execute(
-                f"SELECT json FROM finding WHERE id IN ({places})", ids
-            )
-        }
-        new = {line: id for id, line in zip(ids, lines, strict=True) if line not in there}
-        self._connection.executemany("INSERT INTO finding (json, id) VALUES (?, ?)", new.items())
+        there: dict[str, list[tuple[int | None, str]]] = {}
+        for finding_id, sequence, line in self._connection.execute(
+            f"SELECT id, sequence, json FROM finding WHERE id IN ({places})", ids
+        ):
+            there.setdefault(finding_id, []).append((sequence, line))
+        new: list[tuple[str, str]] = []
+        last: int | None = None
+        for finding_id, line in zip(ids, lines, strict=True):
+            of_this_id = there.setdefault(finding_id, [])
+            for last, known in of_this_id:  # noqa: B007
+                if known == line:
+                    break
+            else:
+                last = None
+                of_this_id.append((None, line))
+                new.append((finding_id, line))
+        self._connection.executemany("INSERT INTO finding (id, json) VALUES (?, ?)", new)
+        return last
+
+    def _count_behind(self, sequence: int, lines: Sequence[str]) -> int:
+        """How many of the lines stand one after the other behind a sequence number."""
+        behind = self._connection.execute(
+            "SELECT json FROM finding WHERE sequence > ? ORDER BY sequence LIMIT ?",
+            (sequence, len(lines)),
+        )
+        count = 0
+        with closing(behind):
+            for (known,), line in zip(behind, lines, strict=False):
+                if known != line:
+                    break
+                count += 1
+        return count
 
     def newest(self, finding_id: str) -> str | None:
         """The newest line of a finding, or None where the id is not known."""
@@ -199,9 +244,3 @@ class FindingStore:
                 " WHERE json_extract(json, '$.snapshot_id') IS NOT NULL)"
             )
         return dropped
-
-
-def _batched(lines: Iterable[str], at_once: int) -> Iterator[list[str]]:
-    remaining = iter(lines)
-    while batch := list(islice(remaining, at_once)):
-        yield batch
