@@ -8,7 +8,7 @@ use runglight_engine::log::{ChangeLog, Gap, Nanoseconds, SECOND, SignalIndex};
 use crate::Reading;
 use crate::error::{FormatError, RowFault};
 use crate::format::Format;
-use crate::names::SignalNames;
+use crate::names::{NameQueue, SignalNames};
 use crate::options::{OnError, ReadOptions};
 use crate::report::{BadRow, ReadReport, SHOWN_BAD_ROWS};
 
@@ -27,6 +27,8 @@ pub(crate) struct Intake {
     time: Vec<Nanoseconds>,
     signal: Vec<SignalIndex>,
     value: Vec<i64>,
+    /// Names of the last rows, whose signals are not in their column yet.
+    queue: NameQueue,
 }
 
 impl Intake {
@@ -48,6 +50,7 @@ impl Intake {
             time: Vec::new(),
             signal: Vec::new(),
             value: Vec::new(),
+            queue: NameQueue::default(),
         })
     }
 
@@ -115,7 +118,19 @@ impl Intake {
         self.push(time, signal, 0);
     }
 
+    /// Takes a row whose time is [in order](Self::in_order) and whose signal has a name only.
+    /// A file's rows are taken all by this, or none.
+    #[inline]
+    pub(crate) fn push_named(&mut self, time: Nanoseconds, name: &[u8], value: i64) {
+        self.time.push(time);
+        self.value.push(value);
+        if self.queue.push(name) {
+            self.names.intern_all(&mut self.queue, &mut self.signal);
+        }
+    }
+
     pub(crate) fn finish(mut self) -> Result<Reading, FormatError> {
+        self.names.intern_all(&mut self.queue, &mut self.signal);
         if self.names.latin_1 {
             self.report.note("names that are not UTF-8 are read as Latin-1 (Windows-1252)");
         }

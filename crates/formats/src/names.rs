@@ -9,6 +9,7 @@ use runglight_engine::log::SignalIndex;
 #[derive(Debug, Default)]
 pub(crate) struct SignalNames {
     names: Vec<String>,
+    /// What each was found as: in Latin-1 files that differs from the name.
     raw: Raw,
     table: HashTable<SignalIndex>,
     hasher: DefaultHashBuilder,
@@ -16,7 +17,7 @@ pub(crate) struct SignalNames {
     pub(crate) latin_1: bool,
 }
 
-/// The bytes each name was found as, side by side; they differ from the name in Latin-1 files.
+/// Bytes of names, side by side.
 #[derive(Debug, Default)]
 struct Raw {
     bytes: Vec<u8>,
@@ -30,10 +31,36 @@ impl Raw {
     }
 
     #[inline]
-    fn get(&self, index: SignalIndex) -> &[u8] {
-        let index = index as usize;
+    fn get(&self, index: usize) -> &[u8] {
         let start = index.checked_sub(1).map_or(0, |before| self.ends[before]);
         &self.bytes[start..self.ends[index]]
+    }
+
+    fn iter(&self) -> impl Iterator<Item = &[u8]> {
+        (0..self.ends.len()).map(|index| self.get(index))
+    }
+
+    fn clear(&mut self) {
+        self.bytes.clear();
+        self.ends.clear();
+    }
+}
+
+/// Names that wait to be numbered together.
+#[derive(Debug, Default)]
+pub(crate) struct NameQueue {
+    names: Raw,
+    hashes: Vec<u64>,
+}
+
+impl NameQueue {
+    const LENGTH: usize = 64;
+
+    /// Takes a name; true where enough of them wait.
+    #[inline]
+    pub(crate) fn push(&mut self, name: &[u8]) -> bool {
+        self.names.push(name);
+        self.names.ends.len() >= Self::LENGTH
     }
 }
 
@@ -42,7 +69,23 @@ impl SignalNames {
     #[inline]
     pub(crate) fn intern(&mut self, name: &[u8]) -> SignalIndex {
         let hash = self.hasher.hash_one(name);
-        if let Some(&known) = self.table.find(hash, |&index| self.raw.get(index) == name) {
+        self.intern_hashed(name, hash)
+    }
+
+    /// Numbers many names at once. Nothing of one waits for another, so the processor fetches what
+    /// it needs for the next while it compares the last: a plant's names fill more than its cache.
+    pub(crate) fn intern_all(&mut self, queue: &mut NameQueue, numbers: &mut Vec<SignalIndex>) {
+        let NameQueue { names, hashes } = queue;
+        hashes.clear();
+        hashes.extend(names.iter().map(|name| self.hasher.hash_one(name)));
+        numbers
+            .extend(names.iter().zip(hashes).map(|(name, hash)| self.intern_hashed(name, *hash)));
+        names.clear();
+    }
+
+    #[inline]
+    fn intern_hashed(&mut self, name: &[u8], hash: u64) -> SignalIndex {
+        if let Some(&known) = self.table.find(hash, |&index| self.raw.get(index as usize) == name) {
             return known;
         }
         self.add(name, hash)
@@ -60,7 +103,7 @@ impl SignalNames {
         });
         self.raw.push(name);
         let (raw, hasher) = (&self.raw, &self.hasher);
-        self.table.insert_unique(hash, index, |&index| hasher.hash_one(raw.get(index)));
+        self.table.insert_unique(hash, index, |&index| hasher.hash_one(raw.get(index as usize)));
         index
     }
 

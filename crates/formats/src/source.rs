@@ -35,7 +35,7 @@ impl Source {
         let file = open_file(path)?;
         let packed =
             file.metadata().map_err(|error| FormatError::io(path, "read this file", error))?.len();
-        let mut source = Self::start(path, Box::new(file))?;
+        let mut source = Self::start(path, Box::new(file), packed)?;
         if source.head.is_empty() {
             return Err(FormatError::Empty { path: path.to_owned() });
         }
@@ -44,7 +44,7 @@ impl Source {
             let unpacked = MultiGzDecoder::new(source.into_reader());
             let guard =
                 Guard { inner: unpacked, left: limit, limit, packed, path: path.to_owned() };
-            source = Self::start(path, Box::new(guard))?;
+            source = Self::start(path, Box::new(guard), packed)?;
             source.is_unpacked = true;
             source.notes.push("unpacked from gzip");
             if source.head.is_empty() {
@@ -54,8 +54,9 @@ impl Source {
         source.decode(path)
     }
 
-    fn start(path: &Path, mut reader: Box<dyn Read>) -> Result<Self, FormatError> {
-        let mut head = Vec::new();
+    /// Reads the head of about `expected` bytes.
+    fn start(path: &Path, mut reader: Box<dyn Read>, expected: u64) -> Result<Self, FormatError> {
+        let mut head = Vec::with_capacity(expected.min(HEAD as u64) as usize);
         reader
             .by_ref()
             .take(HEAD as u64)
@@ -82,7 +83,8 @@ impl Source {
             .map_err(|error| FormatError::io(path, "read this file", error))?;
         let text = encoding.decode_with_bom_removal(&bytes).0.into_owned();
         notes.push("decoded from UTF-16");
-        let mut decoded = Self::start(path, Box::new(Cursor::new(text.into_bytes())))?;
+        let expected = text.len() as u64;
+        let mut decoded = Self::start(path, Box::new(Cursor::new(text.into_bytes())), expected)?;
         decoded.notes = notes;
         Ok(decoded)
     }

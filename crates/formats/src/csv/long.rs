@@ -75,10 +75,13 @@ pub(super) fn read(
         if !intake.in_order(row, time)? {
             continue;
         }
-        let index = intake.names.intern(signal_name);
         match number {
-            Some(number) => intake.push(time, index, number),
-            None => intake.push_pulse(time, index),
+            Some(number) => intake.push_named(time, signal_name, number),
+            None => {
+                // An occurrence has no value: the signal goes to 1 and back to 0 at the same time.
+                intake.push_named(time, signal_name, 1);
+                intake.push_named(time, signal_name, 0);
+            }
         }
     }
     times.parser.say(&mut intake.report);

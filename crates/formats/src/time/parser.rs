@@ -6,9 +6,12 @@ use runglight_engine::log::{Nanoseconds, SECOND};
 
 use super::calendar::{DAY, at};
 use super::decimal::number;
-use super::text::{day_month_year, iso_date, time_of_day, zone_offset_s};
+use super::text::{day_month_year, iso_date, time_of_day, time_of_minute, zone_offset_s};
 use super::{AN_ISO_TIME, IN_RANGE, TimeFormat};
 use crate::report::ReadReport;
+
+/// Length of `YYYY-MM-DDTHH:MM:`.
+const MINUTE_LENGTH: usize = 17;
 
 /// Turns cells into times.
 #[derive(Debug, Clone)]
@@ -20,6 +23,9 @@ pub(crate) struct TimeParser {
     newest: Option<Nanoseconds>,
     /// The date parsed last, as text and as days since 1970: most rows repeat it.
     cached_date: ([u8; 10], i64),
+    /// The date, hour and minute parsed last, as text, as days since 1970 and as nanoseconds of the
+    /// day: most rows repeat them too.
+    cached_minute: ([u8; MINUTE_LENGTH], i64, Nanoseconds),
     /// True once a time without zone was read as UTC.
     assumed_utc: bool,
 }
@@ -27,7 +33,14 @@ pub(crate) struct TimeParser {
 impl TimeParser {
     /// `midnight` is the first day of a file with clock times, in nanoseconds since 1970.
     pub(crate) fn new(format: TimeFormat, midnight: Nanoseconds) -> Self {
-        Self { format, midnight, newest: None, cached_date: ([0; 10], 0), assumed_utc: false }
+        Self {
+            format,
+            midnight,
+            newest: None,
+            cached_date: ([0; 10], 0),
+            cached_minute: ([0; MINUTE_LENGTH], 0, 0),
+            assumed_utc: false,
+        }
     }
 
     /// Says what was assumed of the times parsed so far.
@@ -57,6 +70,17 @@ impl TimeParser {
     }
 
     fn iso(&mut self, cell: &[u8]) -> Result<Nanoseconds, &'static str> {
+        if let Some((start, seconds)) = cell.split_first_chunk::<MINUTE_LENGTH>()
+            && *start == self.cached_minute.0
+        {
+            let (of_minute, zone) = time_of_minute(seconds).ok_or(AN_ISO_TIME)?;
+            let (_, days, minutes) = self.cached_minute;
+            return self.in_zone(days, minutes + of_minute, zone);
+        }
+        self.iso_of_any_minute(cell)
+    }
+
+    fn iso_of_any_minute(&mut self, cell: &[u8]) -> Result<Nanoseconds, &'static str> {
         let Some(date) = cell.first_chunk::<10>() else { return Err(AN_ISO_TIME) };
         let days = if *date == self.cached_date.0 {
             self.cached_date.1
@@ -76,6 +100,23 @@ impl TimeParser {
             _ => return Err(AN_ISO_TIME),
         };
         let (of_day, zone) = time_of_day(clock).ok_or(AN_ISO_TIME)?;
+        if let Some(start) = cell.first_chunk::<MINUTE_LENGTH>()
+            && start.ends_with(b":")
+            && let Some((minutes, [])) = time_of_day(&start[11..16])
+        {
+            self.cached_minute = (*start, days, minutes);
+        }
+        self.in_zone(days, of_day, zone)
+    }
+
+    /// A time of a day, where what stands behind it says in which zone.
+    #[inline]
+    fn in_zone(
+        &mut self,
+        days: i64,
+        of_day: Nanoseconds,
+        zone: &[u8],
+    ) -> Result<Nanoseconds, &'static str> {
         let offset_s = match zone {
             [] => {
                 self.assumed_utc = true;

@@ -41,6 +41,13 @@ pub(super) fn time_of_day(text: &[u8]) -> Option<(Nanoseconds, &[u8])> {
     }
     let minutes = (hour * 60 + minute) * 60 * SECOND;
     let [b':', seconds @ ..] = text else { return Some((minutes, text)) };
+    let (of_minute, text) = time_of_minute(seconds)?;
+    Some((minutes + of_minute, text))
+}
+
+/// `S`, `SS` or `SS.fff…`: nanoseconds of the minute and what follows.
+#[inline]
+pub(super) fn time_of_minute(seconds: &[u8]) -> Option<(Nanoseconds, &[u8])> {
     let (second, text) = match seconds {
         [_, next, ..] if next.is_ascii_digit() => (two_digits(seconds)?, &seconds[2..]),
         [_, ..] => (digit(seconds[0])?, &seconds[1..]),
@@ -50,20 +57,20 @@ pub(super) fn time_of_day(text: &[u8]) -> Option<(Nanoseconds, &[u8])> {
     if second > 60 {
         return None;
     }
-    let whole = minutes + second * SECOND;
+    let whole = second * SECOND;
     let [b'.' | b',', fraction @ ..] = text else { return Some((whole, text)) };
     let digits = fraction.iter().take_while(|byte| byte.is_ascii_digit()).count();
     if digits == 0 {
         return None;
     }
-    let mut nanoseconds = 0;
-    let mut weight = SECOND / 10;
-    for &byte in &fraction[..digits.min(9)] {
-        nanoseconds += i64::from(byte - b'0') * weight;
-        weight /= 10;
-    }
-    Some((whole + nanoseconds, &fraction[digits..]))
+    let counted = digits.min(9);
+    let number = fraction[..counted].iter().fold(0, |sum, byte| sum * 10 + i64::from(byte - b'0'));
+    Some((whole + number * WEIGHT_OF_LAST[counted], &fraction[digits..]))
 }
+
+/// Nanoseconds that the last of so many digits of a fraction counts.
+const WEIGHT_OF_LAST: [i64; 10] =
+    [SECOND, 100_000_000, 10_000_000, 1_000_000, 100_000, 10_000, 1_000, 100, 10, 1];
 
 /// `Z`, `UTC`, `GMT`, `+HH`, `+HHMM` or `+HH:MM`, in seconds east of Greenwich.
 pub(super) fn zone_offset_s(zone: &[u8]) -> Option<i64> {
