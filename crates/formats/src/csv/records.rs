@@ -99,11 +99,14 @@ impl<R: Read> Records<R> {
 
     /// A field of the record found last, blanks around it taken off unless it was quoted; empty
     /// where the record is shorter.
-    #[inline]
+    #[inline(always)]
     pub(crate) fn field(&self, index: usize) -> &[u8] {
         match self.fields.get(index) {
             Some(field) if field.quoted => &self.unquoted[field.start..field.end],
-            Some(field) => trimmed(&self.bytes()[field.start..field.end]),
+            Some(field) => {
+                let start = self.record.start;
+                trimmed(&self.buffer[start + field.start..start + field.end])
+            }
             None => &[],
         }
     }

@@ -59,17 +59,23 @@ pub(super) fn time_of_minute(seconds: &[u8]) -> Option<(Nanoseconds, &[u8])> {
     }
     let whole = second * SECOND;
     let [b'.' | b',', fraction @ ..] = text else { return Some((whole, text)) };
-    let digits = fraction.iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let (mut number, mut digits) = (0, 0);
+    while let Some(byte) = fraction.get(digits).filter(|byte| byte.is_ascii_digit()) {
+        if digits < MOST_DIGITS {
+            number = number * 10 + i64::from(byte - b'0');
+        }
+        digits += 1;
+    }
     if digits == 0 {
         return None;
     }
-    let counted = digits.min(9);
-    let number = fraction[..counted].iter().fold(0, |sum, byte| sum * 10 + i64::from(byte - b'0'));
-    Some((whole + number * WEIGHT_OF_LAST[counted], &fraction[digits..]))
+    Some((whole + number * WEIGHT_OF_LAST[digits.min(MOST_DIGITS)], &fraction[digits..]))
 }
 
+/// Digits of a fraction that count; what is finer than a nanosecond is dropped.
+const MOST_DIGITS: usize = 9;
 /// Nanoseconds that the last of so many digits of a fraction counts.
-const WEIGHT_OF_LAST: [i64; 10] =
+const WEIGHT_OF_LAST: [i64; MOST_DIGITS + 1] =
     [SECOND, 100_000_000, 10_000_000, 1_000_000, 100_000, 10_000, 1_000, 100, 10, 1];
 
 /// `Z`, `UTC`, `GMT`, `+HH`, `+HHMM` or `+HH:MM`, in seconds east of Greenwich.
