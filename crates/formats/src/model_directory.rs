@@ -9,6 +9,7 @@ use std::io;
 use std::path::{Path, PathBuf};
 
 use parquet::arrow::ArrowWriter;
+use parquet::arrow::ProjectionMask;
 use parquet::arrow::arrow_reader::ParquetRecordBatchReaderBuilder;
 use parquet::basic::Compression;
 use parquet::file::properties::WriterProperties;
@@ -86,7 +87,7 @@ pub struct Provenance {
     pub source: Vec<String>,
 }
 
-/// Read first, so that an older layout is named before anything else is tried.
+/// As much of a manifest as every layout has.
 #[derive(Deserialize)]
 struct Layout {
     format: Option<u64>,
@@ -186,14 +187,7 @@ pub fn load(path: &Path) -> Result<(NominalModel, Option<CycleModel>, Provenance
         })
     };
     let text = read(MANIFEST)?;
-    let layout: Layout = serde_json::from_slice(&text)
-        .map_err(|_| damaged("manifest.json is not JSON".to_owned()))?;
-    let found = layout.format.ok_or_else(|| damaged("manifest.json names no format".to_owned()))?;
-    if found != u64::from(MODEL_FORMAT) {
-        return Err(ModelError::Version { path: path.to_owned(), found });
-    }
-    let manifest: Manifest = serde_json::from_slice(&text)
-        .map_err(|error| damaged(format!("manifest.json: {error}")))?;
+    let manifest = read_manifest(&text, path)?;
     drop(text);
     let mut plant = Plant {
         signals: manifest.signals,
@@ -233,13 +227,37 @@ pub fn load(path: &Path) -> Result<(NominalModel, Option<CycleModel>, Provenance
         states.intern(signal, value);
     }
     let rules = ParquetRecordBatchReaderBuilder::try_new(bytes::Bytes::from(bytes))
-        .and_then(|builder| builder.build())
+        .and_then(|builder| {
+            let columns = builder.schema().fields().iter().enumerate();
+            let needed = columns.filter(|(_, field)| rules_table::is_read_back(field.name()));
+            let needed = needed.map(|(index, _)| index).collect::<Vec<_>>();
+            let mask = ProjectionMask::roots(builder.parquet_schema(), needed);
+            builder.with_projection(mask).build()
+        })
         .ok()
         .and_then(|batches| rules_table::from_batches(batches, &plant, &mut states))
         .filter(|rules| rules.len() == manifest.rules)
         .ok_or_else(|| damaged("rules.parquet does not fit the manifest".to_owned()))?;
     let model = NominalModel::assemble(plant, states, rules, manifest.learned, manifest.parameters);
     Ok((model, cycle, Provenance { created: manifest.created, source: manifest.source }))
+}
+
+/// A manifest of this layout. An older one is named as such before anything else is wrong with it.
+fn read_manifest(text: &[u8], path: &Path) -> Result<Manifest, ModelError> {
+    let damaged = |problem: String| ModelError::Damaged { path: path.to_owned(), problem };
+    let read = serde_json::from_slice::<Manifest>(text);
+    if let Ok(manifest) = read
+        && manifest.format == MODEL_FORMAT
+    {
+        return Ok(manifest);
+    }
+    let layout: Layout = serde_json::from_slice(text)
+        .map_err(|_| damaged("manifest.json is not JSON".to_owned()))?;
+    let found = layout.format.ok_or_else(|| damaged("manifest.json names no format".to_owned()))?;
+    if found != u64::from(MODEL_FORMAT) {
+        return Err(ModelError::Version { path: path.to_owned(), found });
+    }
+    serde_json::from_slice(text).map_err(|error| damaged(format!("manifest.json: {error}")))
 }
 
 /// Every index the engine will follow must lead somewhere.

@@ -59,6 +59,21 @@ const COLUMNS: [&str; 30] = [
     "cluster_dispersion",
 ];
 
+/// What follows from other columns: written for those who read the table, not read back.
+const FOLLOWING: [&str; 6] = [
+    "early_limit_s",
+    "late_limit_s",
+    "trigger_average_s",
+    "trigger_minimum_s",
+    "trigger_maximum_s",
+    "trigger_late_limit_s",
+];
+
+/// True for the columns that [`from_batches`] needs.
+pub fn is_read_back(column: &str) -> bool {
+    !FOLLOWING.contains(&column)
+}
+
 /// Between the two states of a join: the delay runs from the later of them.
 const BOTH: &str = " & ";
 

@@ -8,8 +8,6 @@ import os
 import sys
 from typing import TYPE_CHECKING
 
-from cyclopts import CycloptsError
-
 from runglight import environment
 from runglight.cli.exit_codes import DONE, INTERRUPTED, WRONG
 
@@ -31,8 +29,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
         code = run(sys.argv[1:] if arguments is None else list(arguments))
         sys.stdout.flush()
-    except CycloptsError as error:
-        return _complain(f"{_usage(error)} See runglight --help.")
     except KeyboardInterrupt:
         print("runglight: interrupted", file=sys.stderr)
         return INTERRUPTED
@@ -53,7 +49,7 @@ def _prepare_streams() -> None:
             stream.reconfigure(errors="replace")
 
 
-def _usage(error: CycloptsError) -> str:
+def _usage(error: Exception) -> str:
     text = " ".join(str(error).split())
     return text if text.endswith((".", "?", "!")) else f"{text}."
 
@@ -63,6 +59,11 @@ def _failed(error: BaseException) -> int:
         # Whoever read our output has seen enough (`runglight … | head`).
         _silence_stdout()
         return DONE
+    # Not at the top of the file: what is imported after the threshold above costs no collection.
+    from cyclopts import CycloptsError  # noqa: PLC0415
+
+    if isinstance(error, CycloptsError):
+        return _complain(f"{_usage(error)} See runglight --help.")
     if environment.debug():
         import traceback  # noqa: PLC0415
 

@@ -18,7 +18,6 @@ if TYPE_CHECKING:
     from pyspark.sql import DataFrame, SparkSession
 
 _TABLE = "table:"
-_PARQUET = "parquet:"
 _JDBC = "jdbc:"
 
 
@@ -92,4 +91,6 @@ def _frame(session: SparkSession, log: str) -> DataFrame:
     if log.startswith(_JDBC):
         url, _, table = log.partition("#")
         return session.read.format("jdbc").options(url=url, dbtable=table or "log").load()
-    return session.read.parquet(log.removeprefix(_PARQUET))
+    from runglight.scale.spark.parquet_path import parquet_path  # noqa: PLC0415
+
+    return session.read.parquet(parquet_path(session, log))

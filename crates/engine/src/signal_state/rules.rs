@@ -62,7 +62,8 @@ impl RuleTable {
     /// Sorts `rules` by row and indexes them. Within a row the most frequent stands first.
     pub fn build(rules: &mut [Rule], chains: &Chains, states: usize) -> Self {
         let row = |rule: &Rule| row_of(rule.current, chains.kind(rule.chain));
-        rules.sort_by_key(|rule| (row(rule), std::cmp::Reverse(rule.count), rule.sequence));
+        // Keys are sorted, and each rule moved once.
+        rules.sort_by_cached_key(|rule| (row(rule), std::cmp::Reverse(rule.count), rule.sequence));
         let mut row_start = vec![0u32; 2 * states + 1];
         for rule in rules.iter() {
             row_start[row(rule) + 1] += 1;

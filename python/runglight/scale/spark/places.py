@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 
 from runglight.scale.spark.frames import OPTIONAL
 from runglight.scale.spark.kafka import Format, KafkaChanges, from_kafka
+from runglight.scale.spark.parquet_path import PREFIX, parquet_path
 from runglight.scale.spark.sinks import FindingSink, JdbcSink, KafkaSink, ParquetSink
 from runglight.scale.topic import SCHEME, topic_of
 
 if TYPE_CHECKING:
     from pyspark.sql import DataFrame, SparkSession
 
-_PARQUET = "parquet:"
 _JDBC = "jdbc:"
 
 
@@ -43,7 +43,7 @@ def stream_of(
             rows_at_once=rows_at_once,
             **topic.options,
         )
-    directory = place.removeprefix(_PARQUET)
+    directory = parquet_path(spark, place)
     schema = spark.read.parquet(directory).schema
     frame = spark.readStream.schema(schema).parquet(directory)
     wanted = [name for name in ("time", "signal", "value", *OPTIONAL) if name in frame.columns]
@@ -59,4 +59,4 @@ def sink_of(place: str) -> FindingSink:
         # The table is a part of its own: the address belongs to the driver.
         url, _, table = place.partition("#")
         return JdbcSink(url, table or "findings")
-    return ParquetSink(place.removeprefix(_PARQUET))
+    return ParquetSink(place.removeprefix(PREFIX))
