@@ -28,4 +28,4 @@ pub mod sisters;
 pub mod snapshot;
 pub mod states;
 pub mod teller;
-mod telling;
+pub mod telling;

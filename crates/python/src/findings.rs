@@ -15,6 +15,7 @@ use pyo3::types::{PyCapsule, PyList, PyString, PyTuple};
 
 use runglight_engine::finding::{Finding, Kind, Severity};
 use runglight_engine::signal_state::found::Found;
+use runglight_engine::signal_state::telling::Telling;
 
 use crate::errors;
 use crate::stream;
@@ -51,27 +52,62 @@ impl PyFindings {
     ) -> PyResult<Bound<'py, PyCapsule>> {
         let batch = py.detach(|| {
             let mut findings = Vec::with_capacity(self.found.len());
-            self.found.tell(|finding| findings.push(finding.clone()));
+            let mut telling = self.found.telling();
+            while telling.tell_next(|finding| findings.push(finding.clone())) {}
             to_batch(&findings)
         });
         stream::export(py, batch.map_err(errors::input)?, requested_schema)
     }
 
     fn json_lines<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
-        py.detach(|| Told::of(&self.found)).lines(py)
+        PyList::new(py, Told::of(py, &self.found)?.lines)
     }
 
     fn told<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyTuple>> {
-        let told = py.detach(|| Told::of(&self.found));
-        let kinds = told.names(py, |head| head.kind)?;
-        let severities = told.names(py, |head| head.severity)?;
-        (told.lines(py)?, told.ids(py)?, kinds, severities).into_pyobject(py)
+        let Told { lines, ids, kinds, severities } = Told::of(py, &self.found)?;
+        let lists = [
+            PyList::new(py, lines)?,
+            PyList::new(py, ids)?,
+            PyList::new(py, kinds)?,
+            PyList::new(py, severities)?,
+        ];
+        PyTuple::new(py, lists)
     }
 }
 
 /// Findings as JSON, and what is counted of each.
 #[derive(Default)]
-struct Told {
+struct Told<'py> {
+    lines: Vec<Bound<'py, PyString>>,
+    ids: Vec<Bound<'py, PyString>>,
+    kinds: Vec<Bound<'py, PyString>>,
+    severities: Vec<Bound<'py, PyString>>,
+}
+
+impl<'py> Told<'py> {
+    fn of(py: Python<'py>, found: &Found) -> PyResult<Self> {
+        let mut telling = found.telling();
+        let mut piece = Piece::default();
+        let (mut kinds, mut severities) = (Names::default(), Names::default());
+        let mut told = Self::default();
+        while py.detach(|| piece.fill(&mut telling)) {
+            let (mut line, mut id) = (0, 0);
+            for head in &piece.heads {
+                told.lines.push(PyString::from_bytes(py, &piece.lines[line..head.line_end])?);
+                told.ids.push(PyString::new(py, &piece.ids[id..head.id_end]));
+                told.kinds.push(kinds.of(py, head.kind));
+                told.severities.push(severities.of(py, head.severity));
+                (line, id) = (head.line_end, head.id_end);
+            }
+        }
+        Ok(told)
+    }
+}
+
+/// Findings that are told before Python takes them over: few enough to stay in the processor's
+/// cache.
+#[derive(Default)]
+struct Piece {
     /// The lines, one behind the other.
     lines: Vec<u8>,
     /// The ids, one behind the other.
@@ -79,7 +115,7 @@ struct Told {
     heads: Vec<Head>,
 }
 
-/// One finding of [`Told`].
+/// One finding of a [`Piece`].
 struct Head {
     /// Where its line ends.
     line_end: usize,
@@ -89,50 +125,43 @@ struct Head {
     severity: Severity,
 }
 
-impl Told {
-    fn of(found: &Found) -> Self {
-        let mut told = Self { heads: Vec::with_capacity(found.len()), ..Self::default() };
-        found.tell(|finding| {
-            finding.append_json(&mut told.lines);
-            told.ids.push_str(&finding.id);
-            told.heads.push(Head {
-                line_end: told.lines.len(),
-                id_end: told.ids.len(),
+impl Piece {
+    const FINDINGS: usize = 128;
+
+    /// Tells the next ones; false where there is none.
+    fn fill(&mut self, telling: &mut Telling<'_>) -> bool {
+        let Self { lines, ids, heads } = self;
+        lines.clear();
+        ids.clear();
+        heads.clear();
+        let mut hear = |finding: &Finding| {
+            finding.append_json(lines);
+            ids.push_str(&finding.id);
+            heads.push(Head {
+                line_end: lines.len(),
+                id_end: ids.len(),
                 kind: finding.kind,
                 severity: finding.severity,
             });
-        });
-        told
-    }
-
-    fn lines<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
-        let mut start = 0;
-        let line = |head: &Head| {
-            let line = &self.lines[std::mem::replace(&mut start, head.line_end)..head.line_end];
-            PyString::from_bytes(py, line)
         };
-        PyList::new(py, self.heads.iter().map(line).collect::<PyResult<Vec<_>>>()?)
+        (0..Self::FINDINGS).all(|_| telling.tell_next(&mut hear));
+        !heads.is_empty()
     }
+}
 
-    fn ids<'py>(&self, py: Python<'py>) -> PyResult<Bound<'py, PyList>> {
-        let mut start = 0;
-        let id = |head: &Head| &self.ids[std::mem::replace(&mut start, head.id_end)..head.id_end];
-        PyList::new(py, self.heads.iter().map(id))
+/// Names of variants: equal ones are one object.
+struct Names<'py, Variant>(HashMap<Variant, Bound<'py, PyString>>);
+
+impl<Variant> Default for Names<'_, Variant> {
+    fn default() -> Self {
+        Self(HashMap::new())
     }
+}
 
-    /// One text per finding; equal ones are one object.
-    fn names<'py, Named: serde::Serialize + Copy + Eq + Hash>(
-        &self,
-        py: Python<'py>,
-        of: impl Fn(&Head) -> Named,
-    ) -> PyResult<Bound<'py, PyList>> {
-        let mut known: HashMap<Named, Bound<'py, PyString>> = HashMap::new();
-        let name = |head: &Head| {
-            let named = of(head);
-            let text = || PyString::new(py, &name(&named).unwrap_or_default());
-            known.entry(named).or_insert_with(text).clone()
-        };
-        PyList::new(py, self.heads.iter().map(name))
+impl<'py, Variant: serde::Serialize + Copy + Eq + Hash> Names<'py, Variant> {
+    fn of(&mut self, py: Python<'py>, variant: Variant) -> Bound<'py, PyString> {
+        let text = || PyString::new(py, &name(&variant).unwrap_or_default());
+        self.0.entry(variant).or_insert_with(text).clone()
     }
 }
 

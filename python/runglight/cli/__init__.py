@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
 
-_GARBAGE_AFTER = 20_000
+_GARBAGE_AFTER = 50_000
 """Objects made before garbage is looked for: imports make many, and all of them stay."""
 
 

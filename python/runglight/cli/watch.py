@@ -37,6 +37,8 @@ if TYPE_CHECKING:
     from runglight.model import NominalModel
     from runglight.process.next_activity import NextMonitor
 
+_LINES_AT_ONCE = 128
+"""Lines written by one call: enough that calls do not count, few enough for memory in reach."""
 NEXT_STATE = ".next"
 """Ending of the file beside `--state` that keeps where the network stands."""
 
@@ -151,7 +153,8 @@ class _Telling:
         self._tally.add(told.ids, told.kinds, told.severities)
         self.met = self.met or not self._alarming.isdisjoint(told.severities)
         if self._settings.format == "jsonl":
-            stream.write("\n".join([*told.lines, ""]))
+            for start in range(0, len(told.lines), _LINES_AT_ONCE):
+                stream.write("\n".join([*told.lines[start : start + _LINES_AT_ONCE], ""]))
         elif self._settings.format == "csv":
             stream.writelines(map(flat.row, told.lines))
         else:

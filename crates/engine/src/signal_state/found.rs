@@ -137,19 +137,8 @@ impl Found {
     }
 
     /// Tells them one by one.
-    pub fn tell(&self, mut hear: impl FnMut(&Finding)) {
-        let Some(model) = &self.model else {
-            for record in &self.records {
-                if let What::Told(finding) = &record.what {
-                    hear(finding);
-                }
-            }
-            return;
-        };
-        let mut telling = Telling::of(model);
-        for record in &self.records {
-            telling.tell(record, &mut hear);
-        }
+    pub fn telling(&self) -> Telling<'_> {
+        Telling::of(self.model.as_deref(), &self.records)
     }
 
     /// Tells all.
@@ -163,7 +152,8 @@ impl Found {
             return self.records.into_iter().filter_map(whole).collect();
         }
         let mut findings = Vec::with_capacity(self.len());
-        self.tell(|finding| findings.push(finding.clone()));
+        let mut telling = self.telling();
+        while telling.tell_next(|finding| findings.push(finding.clone())) {}
         findings
     }
 }

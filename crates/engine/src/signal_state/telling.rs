@@ -1,5 +1,6 @@
 //! Puts the records of one batch into words. What those of one rule have in common is said once.
 
+use std::slice;
 use std::sync::Arc;
 
 use hashbrown::HashMap;
@@ -16,6 +17,30 @@ use super::teller::Teller;
 
 /// Tells the records of one batch, one by one.
 pub struct Telling<'a> {
+    records: slice::Iter<'a, Record>,
+    /// Whose numbers the records use; none where all are told already.
+    words: Option<Words<'a>>,
+}
+
+impl<'a> Telling<'a> {
+    pub(super) fn of(model: Option<&'a NominalModel>, records: &'a [Record]) -> Self {
+        Self { records: records.iter(), words: model.map(Words::of) }
+    }
+
+    /// Tells the next one; false where there is none.
+    pub fn tell_next(&mut self, hear: impl FnOnce(&Finding)) -> bool {
+        let Some(record) = self.records.next() else { return false };
+        match (&mut self.words, &record.what) {
+            (Some(words), _) => words.tell(record, hear),
+            (None, What::Told(finding)) => hear(finding),
+            (None, _) => {}
+        }
+        true
+    }
+}
+
+/// What was said so far, and may be said again.
+struct Words<'a> {
     model: &'a NominalModel,
     /// Ids of incidents: many findings share one.
     incidents: HashMap<Identity, Arc<str>>,
@@ -38,14 +63,12 @@ struct TimeFinding {
     sentence: TimeSentence,
 }
 
-impl<'a> Telling<'a> {
-    /// Tells records of a model's monitor.
-    pub fn of(model: &'a NominalModel) -> Self {
+impl<'a> Words<'a> {
+    fn of(model: &'a NominalModel) -> Self {
         Self { model, incidents: HashMap::new(), times: HashMap::new() }
     }
 
-    /// Tells a record.
-    pub fn tell(&mut self, record: &Record, hear: impl FnOnce(&Finding)) {
+    fn tell(&mut self, record: &Record, hear: impl FnOnce(&Finding)) {
         match &record.what {
             What::Time { rule, timed } => self.tell_time(record, *rule, *timed, hear),
             What::Departure(departure) => hear(&self.departure(record, departure)),
