@@ -1,7 +1,6 @@
 """One file describes a machine: `runglight.toml`. What the command line can say has a key here."""
 
 import datetime
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -336,6 +335,9 @@ def load_configuration(path: Path | None = None) -> Configuration:
 
 def parse_configuration(text: str, path: Path) -> Configuration:
     """The configuration of a text that is, or shall be, in `path`; InputError if it is none."""
+    # Loaded where there is a configuration.
+    import tomllib  # noqa: PLC0415
+
     try:
         tables = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:

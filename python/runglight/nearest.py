@@ -1,7 +1,6 @@
 """The known names nearest to one that is not known, for the end of an error sentence."""
 
 from collections.abc import Iterable
-from difflib import SequenceMatcher
 
 # Below this, a likeness is chance; names this much less alike than the best are no help.
 ALIKE = 0.5
@@ -10,6 +9,9 @@ MUCH_LESS_ALIKE = 0.12
 
 def nearest(name: str, known: Iterable[str], at_most: int = 3) -> list[str]:
     """The names of `known` that resemble `name`, best first; none where nothing does."""
+    # Loaded where something is not known.
+    from difflib import SequenceMatcher  # noqa: PLC0415
+
     matcher = SequenceMatcher(b=name.casefold())
     alike: list[tuple[float, str]] = []
     for candidate in known:

@@ -1,5 +1,7 @@
 //! A finding: one departure from the nominal model, in the published schema.
 
+pub mod line;
+
 use std::fmt::Write as _;
 
 use serde::{Deserialize, Serialize, Serializer};

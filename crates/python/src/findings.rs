@@ -15,7 +15,7 @@ use pyo3::types::{PyCapsule, PyList, PyString, PyTuple};
 
 use runglight_engine::finding::{Finding, Kind, Severity};
 use runglight_engine::signal_state::found::Found;
-use runglight_engine::signal_state::telling::Telling;
+use runglight_engine::signal_state::telling::{Said, Telling};
 
 use crate::errors;
 use crate::stream;
@@ -53,7 +53,7 @@ impl PyFindings {
         let batch = py.detach(|| {
             let mut findings = Vec::with_capacity(self.found.len());
             let mut telling = self.found.telling();
-            while telling.tell_next(|finding| findings.push(finding.clone())) {}
+            while telling.tell_next(|said| findings.push(said.finding.clone())) {}
             to_batch(&findings)
         });
         stream::export(py, batch.map_err(errors::input)?, requested_schema)
@@ -134,8 +134,9 @@ impl Piece {
         lines.clear();
         ids.clear();
         heads.clear();
-        let mut hear = |finding: &Finding| {
-            finding.append_json(lines);
+        let mut hear = |said: Said<'_>| {
+            said.append_json(lines);
+            let finding = said.finding;
             ids.push_str(&finding.id);
             heads.push(Head {
                 line_end: lines.len(),

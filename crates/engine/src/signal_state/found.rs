@@ -153,7 +153,7 @@ impl Found {
         }
         let mut findings = Vec::with_capacity(self.len());
         let mut telling = self.telling();
-        while telling.tell_next(|finding| findings.push(finding.clone())) {}
+        while telling.tell_next(|said| findings.push(said.finding.clone())) {}
         findings
     }
 }

@@ -1,11 +1,13 @@
 //! Puts the records of one batch into words. What those of one rule have in common is said once.
 
+use std::cell::OnceCell;
 use std::slice;
 use std::sync::Arc;
 
 use hashbrown::HashMap;
 
-use crate::finding::{Expected, Finding, Kind, StableId};
+use crate::finding::line::Line;
+use crate::finding::{Expected, Finding, Kind, Severity, StableId};
 use crate::timing::limits::Accepted;
 
 use super::check::Departure;
@@ -28,14 +30,37 @@ impl<'a> Telling<'a> {
     }
 
     /// Tells the next one; false where there is none.
-    pub fn tell_next(&mut self, hear: impl FnOnce(&Finding)) -> bool {
+    pub fn tell_next(&mut self, hear: impl FnOnce(Said<'_>)) -> bool {
         let Some(record) = self.records.next() else { return false };
         match (&mut self.words, &record.what) {
             (Some(words), _) => words.tell(record, hear),
-            (None, What::Told(finding)) => hear(finding),
+            (None, What::Told(finding)) => hear(Said::once(finding)),
             (None, _) => {}
         }
         true
+    }
+}
+
+/// A finding that is told.
+pub struct Said<'a> {
+    /// The finding.
+    pub finding: &'a Finding,
+    /// Its JSON with that of others, where one like it was told before.
+    line: Option<&'a OnceCell<Option<Line>>>,
+}
+
+impl<'a> Said<'a> {
+    fn once(finding: &'a Finding) -> Self {
+        Self { finding, line: None }
+    }
+
+    /// Appends the finding's JSON to text in UTF-8.
+    pub fn append_json(&self, text: &mut Vec<u8>) {
+        let line = self.line.and_then(|line| line.get_or_init(|| Line::of(self.finding)).as_ref());
+        match line {
+            Some(line) => line.append(self.finding, text),
+            None => self.finding.append_json(text),
+        }
     }
 }
 
@@ -53,6 +78,7 @@ struct Alike {
     rule: u32,
     as_learned: bool,
     kind: Kind,
+    severity: Severity,
 }
 
 /// The finding told last of those that are alike.
@@ -61,6 +87,7 @@ struct TimeFinding {
     accepted: Vec<Accepted>,
     id: StableId,
     sentence: TimeSentence,
+    line: OnceCell<Option<Line>>,
 }
 
 impl<'a> Words<'a> {
@@ -68,34 +95,40 @@ impl<'a> Words<'a> {
         Self { model, incidents: HashMap::new(), times: HashMap::new() }
     }
 
-    fn tell(&mut self, record: &Record, hear: impl FnOnce(&Finding)) {
+    fn tell(&mut self, record: &Record, hear: impl FnOnce(Said<'_>)) {
         match &record.what {
             What::Time { rule, timed } => self.tell_time(record, *rule, *timed, hear),
-            What::Departure(departure) => hear(&self.departure(record, departure)),
+            What::Departure(departure) => hear(Said::once(&self.departure(record, departure))),
             What::Told(finding) if finding.incident.is_empty() => {
-                hear(&Finding { incident: finding.id.clone(), ..Finding::clone(finding) });
+                let incident = finding.id.clone();
+                hear(Said::once(&Finding { incident, ..Finding::clone(finding) }));
             }
-            What::Told(finding) => hear(finding),
+            What::Told(finding) => hear(Said::once(finding)),
         }
     }
 
-    fn tell_time(&mut self, record: &Record, rule: u32, timed: Timed, hear: impl FnOnce(&Finding)) {
+    fn tell_time(&mut self, record: &Record, rule: u32, timed: Timed, hear: impl FnOnce(Said<'_>)) {
         let model = self.model;
         let incident = self.incident(record);
-        let alike = Alike { rule, as_learned: timed.as_learned, kind: record.kind };
-        let TimeFinding { finding, accepted, id, sentence } =
-            self.times.entry(alike).or_insert_with(|| TimeFinding::of(model, alike, record));
+        let Record { kind, severity, .. } = *record;
+        let alike = Alike { rule, as_learned: timed.as_learned, kind, severity };
+        let mut again = true;
+        let TimeFinding { finding, accepted, id, sentence, line } =
+            self.times.entry(alike).or_insert_with(|| {
+                again = false;
+                TimeFinding::of(model, alike, record)
+            });
         let observed_s = timed.seconds();
         let limit_s = broken_limit(model, rule as usize, accepted, observed_s).1;
         finding.time = record.time;
-        finding.severity = record.severity;
         finding.observed_s = Some(observed_s);
         finding.limit_s = Some(limit_s);
         sentence.say(observed_s, limit_s, &mut finding.message);
         finding.id = id.at(record.time);
         finding.incident.clear();
         finding.incident.push_str(incident.as_deref().unwrap_or(&finding.id));
-        hear(finding);
+        // What is told once is not taken apart.
+        hear(Said { finding, line: again.then_some(line) });
     }
 
     fn departure(&mut self, record: &Record, departure: &Departure) -> Finding {
@@ -137,6 +170,7 @@ impl TimeFinding {
         let teller = Teller::of(model);
         let accepted = accepted(model, index, alike.as_learned);
         let mut finding = teller.at(alike.kind, rule.chain, rule.next, record.time);
+        finding.severity = alike.severity;
         finding.from = Some(teller.state_name(rule.current));
         finding.expected = vec![Expected {
             state: finding.to.clone().unwrap_or_default(),
@@ -148,6 +182,6 @@ impl TimeFinding {
         let name = |state: &Option<String>| state.clone().unwrap_or_default();
         let id = Identity::new(alike.kind, rule.chain, [rule.current, rule.next], record.time)
             .what_and_where(teller, &name(&finding.from), &name(&finding.to));
-        Self { finding, accepted, id, sentence }
+        Self { finding, accepted, id, sentence, line: OnceCell::new() }
     }
 }
