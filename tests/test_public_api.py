@@ -85,6 +85,23 @@ def test_the_command_line_starts_without_heavy_libraries() -> None:
     assert not loaded & heavy
 
 
+def test_watching_a_log_loads_what_it_needs_only(
+    nominal_model: runglight.NominalModel, cell: Path, tmp_path: Path
+) -> None:
+    nominal_model.save(tmp_path / "cell.model")
+    words = ["watch", str(tmp_path / "cell.model"), str(cell / "nominal.csv")]
+    loaded = loaded_after(
+        "from runglight.cli import main\n"
+        f"assert main([*{words!r}, '--format', 'jsonl', '-o', {str(tmp_path / 'f')!r}]) == 0"
+    )
+    assert "runglight.findings.store" in loaded  # It has watched.
+    # A second of processor time reads two million rows: what is loaded for nothing is dear.
+    heavy = {"asyncio", "numpy", "pyarrow", "polars", "pandas", "rich", "sqlalchemy"}
+    only_at_times = {"difflib", "tomllib", "runglight.live.session", "runglight.recording.read"}
+    other_commands = {"runglight.cli.learn", "runglight.cli.watch_live", "runglight.cli.serve"}
+    assert not loaded & (heavy | only_at_times | other_commands)
+
+
 def test_importing_the_package_loads_nothing_else() -> None:
     loaded = loaded_after("import runglight")
     assert "runglight" in loaded

@@ -275,8 +275,9 @@ struct Names<'a> {
     states: StateNames<'a>,
     groups: HashMap<&'a str, ChainIndex>,
     devices: HashMap<(&'a str, &'a str), ChainIndex>,
-    /// The state of the last row's `current` by its name: a state's rules lie side by side.
-    last: (String, StateId),
+    /// The states of the last row by their names, `next` and `current`: a state's rules lie side by
+    /// side, and mostly behind the one that led there.
+    last: [(String, StateId); 2],
 }
 
 impl<'a> Names<'a> {
@@ -288,7 +289,7 @@ impl<'a> Names<'a> {
             states: StateNames::of(plant),
             groups: (0..plant.groups.len()).map(|index| (group(index), first + index)).collect(),
             devices: devices.zip(0..).collect(),
-            last: (String::new(), NO_STATE),
+            last: [(String::new(), NO_STATE), (String::new(), NO_STATE)],
         }
     }
 
@@ -297,12 +298,27 @@ impl<'a> Names<'a> {
         Some(states.intern(signal, value))
     }
 
-    fn current(&mut self, name: &str, states: &mut States) -> Option<StateId> {
-        if self.last.1 == NO_STATE || self.last.0 != name {
-            self.last.1 = self.state(name, states)?;
-            name.clone_into(&mut self.last.0);
+    /// Both states of a row.
+    fn both(
+        &mut self,
+        [current, next]: [&str; 2],
+        states: &mut States,
+    ) -> Option<(StateId, StateId)> {
+        let known = self.last.iter().find(|(name, state)| *state != NO_STATE && name == current);
+        let ids = match known {
+            Some(&(_, state)) => [self.state(next, states)?, state],
+            None => {
+                let current = self.state(current, states)?;
+                [self.state(next, states)?, current]
+            }
+        };
+        for ((last, name), id) in self.last.iter_mut().zip([next, current]).zip(ids) {
+            if last.1 != id {
+                name.clone_into(&mut last.0);
+                last.1 = id;
+            }
         }
-        Some(self.last.1)
+        Some((ids[1], ids[0]))
     }
 }
 
@@ -399,8 +415,9 @@ impl<'a> Table<'a> {
             "group" => *names.groups.get(group)?,
             _ => return None,
         };
-        let current = names.current(text(self.current, row)?, states)?;
-        Some((chain, current, names.state(text(self.next, row)?, states)?))
+        let (current, next) =
+            names.both([text(self.current, row)?, text(self.next, row)?], states)?;
+        Some((chain, current, next))
     }
 
     /// Outer `None`: what is there cannot be read.

@@ -107,6 +107,78 @@ fn every_time_format_is_found() {
 }
 
 #[test]
+fn times_of_one_minute_are_read_each_by_itself() {
+    // One behind the other, so that each may lean on the one before.
+    let written = [
+        ("2024-04-15T12:00:00Z", NOON),
+        ("2024-04-15T12:00:01.5Z", NOON + 3 * S / 2),
+        ("2024-04-15T12:00:2Z", NOON + 2 * S),
+        ("2024-04-15T12:00:03", NOON + 3 * S),
+        ("2024-04-15T12:00:04.000000001999Z", NOON + 4 * S + 1),
+        ("2024-04-15T12:00:05,25 +00:00", NOON + 5 * S + S / 4),
+        ("2024-04-15T14:00:06+02:00", NOON + 6 * S),
+        ("2024-04-15T14:00:07.5+0200", NOON + 15 * S / 2),
+        ("2024-04-15T12:00:60Z", NOON + 60 * S),
+        ("2024-04-15T12:00:60.5Z", NOON + 60 * S + S / 2),
+        ("2024-04-15T12:01:00.75Z", NOON + 60 * S + 3 * S / 4),
+        ("2024-04-15 12:01:01Z", NOON + 61 * S),
+        ("2024-04-15 12:01:02Z", NOON + 62 * S),
+        ("2024/04/15 12:01:03Z", NOON + 63 * S),
+        ("2024-04-15T12:02", NOON + 120 * S),
+        ("2024-04-15T12:02Z", NOON + 120 * S),
+    ];
+    let lines: String = written.iter().map(|(time, _)| format!("{time};a;1\n")).collect();
+    let expected: Vec<i64> = written.iter().map(|&(_, time)| time).collect();
+    assert_eq!(csv(&format!("time;signal;value\n{lines}")).log.time, expected);
+    for wrong in ["61Z", "5xZ", ".5Z", "", "7.Z", "07.5X", "07.5+25:00"] {
+        let right = "2024-04-15T12:02:00Z;a;1";
+        let text = format!("time;signal;value\n{right}\n2024-04-15T12:02:{wrong};a;1\n");
+        let error = csv_error(&text, "{}");
+        assert!(error.contains("row 3"), "{wrong}: {error}");
+    }
+}
+
+#[test]
+fn a_quote_counts_for_its_own_line_wherever_it_stands() {
+    // More than is read at once, and quotes far apart, close together, and over line ends.
+    let mut text = String::from("time,signal,value\n");
+    let mut expected = Vec::new();
+    for row in 0..30_000 {
+        let (name, cell) = match row {
+            17 | 18 | 9_000 | 29_999 => ("a,\"b\"", "\"a,\"\"b\"\"\""),
+            12_345 => ("two\nlines", "\"two\nlines\""),
+            _ if row % 7_001 == 0 => ("quoted", "\"quoted\""),
+            _ => ("plain", "plain"),
+        };
+        text += &format!("{}.0,{cell},1\n", 1_713_182_400 + row);
+        expected.push((NOON + row * S, name, 1));
+    }
+    assert!(text.len() > 2 * (256 << 10));
+    assert_eq!(rows(&csv(&text).log), expected);
+}
+
+#[test]
+fn names_are_numbered_in_the_order_they_first_come() {
+    // Among rows that are left out, and more than are numbered together.
+    let mut text = String::from("time,signal,value\n");
+    let mut names: Vec<String> = Vec::new();
+    for row in 0..1_000_usize {
+        let name = format!("signal{}", row * row % 501);
+        let value = if row % 10 == 3 { "broken" } else { "1" };
+        text += &format!("{},{name},{value}\n", 1_713_182_400 + row);
+        if row % 10 != 3 && !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    let reading = read_as("log.csv", &text, r#"{"on_error": "skip"}"#).unwrap();
+    assert_eq!((reading.log.len(), reading.report.bad_rows), (900, 100));
+    assert_eq!(reading.log.signals, names);
+    let read = rows(&reading.log);
+    let kept = (0..1_000_usize).filter(|row| row % 10 != 3);
+    assert!(kept.zip(read).all(|(row, read)| read.1 == format!("signal{}", row * row % 501)));
+}
+
+#[test]
 fn day_first_is_said() {
     let reading = csv("time,signal,value\n03-04-24 15:02:34.34,a,1\n");
     assert!(reading.report.notes.iter().any(|note| note.contains("day first")));
