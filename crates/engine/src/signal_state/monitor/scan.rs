@@ -3,18 +3,18 @@
 use crate::log::{Nanoseconds, SignalIndex};
 use crate::signal_state::chains::{ChainIndex, ChainKind};
 use crate::signal_state::events::{Meaning, Row, is_image};
-use crate::signal_state::lanes::NEVER;
 use crate::signal_state::rules::row_of;
 use crate::signal_state::states::{NO_STATE, StateId};
 
 use super::step::Entry;
-use super::watch::NOWHERE;
+use super::watch::Clock;
 use super::{FURTHER_STATES_AT_MOST, Monitor, REORDER_AT_MOST};
 
 impl Monitor {
-    /// Takes the first of the rows, and those of its scan where that is complete; returns how many.
+    /// Takes the first of the rows, and those of its scan where that is complete and among the
+    /// first `count`; returns how many.
     #[inline]
-    pub(super) fn take_next(&mut self, rows: &[Row]) -> usize {
+    pub(super) fn take_next(&mut self, rows: &[Row], count: usize) -> usize {
         let row = rows[0];
         if self.scan_is_over(row.time) {
             self.complete_scan();
@@ -23,6 +23,7 @@ impl Monitor {
         if watch.pending.is_empty() && watch.started && !watch.resynchronise {
             let length = self.scan_length(rows);
             if let Some(last) = rows[..length].last()
+                && length <= count
                 && last.time < watch.next_deadline
             {
                 if length == 1 && (row.signal as usize) < self.model.plant.signals.len() {
@@ -134,7 +135,7 @@ impl Monitor {
     pub(super) fn lose_sight(&mut self, signal: SignalIndex) {
         let device = self.model.chains.device_chain(signal);
         for chain in [Some(device), self.model.chains.group_chain(signal)].into_iter().flatten() {
-            self.watch.here[chain] = NOWHERE;
+            self.watch.here[chain].forget();
         }
     }
 
@@ -260,18 +261,12 @@ impl Monitor {
     #[inline]
     pub(super) fn enter(&mut self, row: Row) -> (Entry, ChainIndex, Option<ChainIndex>) {
         let state = self.intern(row.signal, row.value);
+        let before = self.lanes.enter(state, row.time);
         let chains = &self.model.chains;
-        let (before, device, starting) = match self.lanes.enter(state, row.time) {
-            Some(entered) => (entered.before, entered.device, entered.starting),
-            None => {
-                let starting = chains.group_chain(row.signal).is_some();
-                (NEVER, chains.device_chain(row.signal), starting)
-            }
-        };
+        let device = chains.device_chain(row.signal);
         let group = chains.group_of(device);
-        let group_chain = starting.then(|| chains.chain_of_group(group));
-        self.watch.group_last[group] = row.time;
-        self.watch.group_last_state[group] = state;
+        let group_chain = chains.group_chain(row.signal);
+        self.watch.clocks[group] = Clock { last: row.time, state, runs: true };
         let deadline = row.time.saturating_add(self.stall_after[group]);
         if deadline < self.watch.next_deadline {
             self.watch.next_deadline = deadline;

@@ -10,13 +10,11 @@ use crate::signal_state::lanes::Usual;
 use crate::signal_state::states::StateId;
 
 use super::Monitor;
-use super::watch::Here;
 
-/// Rows whose lanes are fetched ahead of their turn. The memory behind a big plant's lanes is the
-/// cost of watching it, unless it is asked for in time.
-const ROWS_AHEAD: usize = 24;
-/// Rows before their turn whose lanes are looked at for what they lead on to.
-const ROWS_AHEAD_FURTHER: usize = 10;
+/// Rows whose lanes are fetched at once, two such blocks ahead of their turn; the block after it
+/// is then at hand to fetch what stands beside its lanes. The memory behind a big plant's lanes is
+/// the cost of watching it, unless it is asked for in time.
+const BLOCK: usize = 8;
 
 /// What one usual row comes to.
 #[derive(Clone, Copy)]
@@ -24,52 +22,87 @@ struct Step {
     state: StateId,
     device: ChainIndex,
     of_device: Usual,
-    /// The group's chain moves too.
-    starting: bool,
-    group_chain: ChainIndex,
-    of_group: Usual,
+    /// Where the group's chain moves too.
+    of_group: Option<(ChainIndex, Usual)>,
     waits: bool,
 }
 
 impl Monitor {
-    /// Takes rows from the first on, as long as all is usual; returns how many.
-    pub(super) fn take_usual_rows(&mut self, rows: &[Row]) -> usize {
+    /// Takes rows from the first on, at most `count`, as long as all is usual; returns how many.
+    pub(super) fn take_usual_rows(&mut self, rows: &[Row], count: usize) -> usize {
         if !self.watch.pending.is_empty() || !self.watch.started || self.watch.resynchronise {
             return 0;
         }
-        let scan = self.model.learned.scan_window.max(1);
-        for row in rows.iter().take(ROWS_AHEAD) {
-            self.lanes.fetch(boolean_state(row));
-        }
+        let scan = self.model.learned.scan_window.max(1) as u64;
+        let over = |first: &Row, after: &Row| after.time.wrapping_sub(first.time) as u64 >= scan;
+        self.fetch_first(rows);
+        let mut fetched = 0;
         let mut at = 0;
         // The end of a scan shows in the row after it.
-        while let Some([row, next]) = rows.get(at..at + 2) {
-            self.fetch(rows, at);
-            if next.time.saturating_sub(row.time) >= scan {
-                let Some(step) = self.usual_step(*row) else { break };
-                self.take_step(*row, step);
+        while let Some([row, next]) = rows.get(at..at + 2)
+            && at < count
+        {
+            if at >= fetched {
+                self.fetch_block(rows, fetched);
+                fetched += BLOCK;
+            }
+            if over(row, next) {
+                if !self.take_plain(*row) {
+                    let Some(step) = self.usual_step(*row) else { break };
+                    self.take_step(*row, step);
+                }
                 at += 1;
             } else {
-                let over = rows.get(at + 2).map(|after| after.time.saturating_sub(row.time));
-                if over.is_none_or(|over| over < scan) || !self.take_pair(*row, *next) {
+                let pair = at + 2 <= count && rows.get(at + 2).is_some_and(|after| over(row, after));
+                if !pair || !self.take_pair(*row, *next) {
                     break;
                 }
-                self.fetch(rows, at + 1);
                 at += 2;
             }
+        }
+        if let Some(last) = rows[..at].last() {
+            self.watch.now = last.time;
         }
         at
     }
 
-    /// Fetches what the rows will need that come some time after one.
+    fn fetch_first(&self, rows: &[Row]) {
+        rows.iter().take(2 * BLOCK).for_each(|row| self.lanes.fetch(boolean_state(row)));
+    }
+
+    /// Fetches what the rows of the next blocks will need.
     #[inline(always)]
-    fn fetch(&self, rows: &[Row], at: usize) {
-        if let Some(row) = rows.get(at + ROWS_AHEAD) {
-            self.lanes.fetch(boolean_state(row));
+    fn fetch_block(&self, rows: &[Row], from: usize) {
+        let block = |number: usize| {
+            let start = (from + number * BLOCK).min(rows.len());
+            &rows[start..(start + BLOCK).min(rows.len())]
+        };
+        block(2).iter().for_each(|row| self.lanes.fetch(boolean_state(row)));
+        block(1).iter().for_each(|row| self.lanes.fetch_side(boolean_state(row)));
+    }
+
+    /// Takes a row that is a scan of its own and needs no more than the lane of its state; false,
+    /// and nothing taken, where it needs more.
+    #[inline(always)]
+    fn take_plain(&mut self, row: Row) -> bool {
+        let Self { model, lanes, watch, .. } = self;
+        if row.time >= watch.next_deadline {
+            return false;
         }
-        if let Some(row) = rows.get(at + ROWS_AHEAD_FURTHER) {
-            self.lanes.fetch_further(boolean_state(row));
+        let Some(flip) = watch.values.flip(row.signal, row.value) else { return false };
+        let state = 2 * row.signal + row.value as u32;
+        let Some(lane) = lanes.plain(state) else { return false };
+        let here = &mut watch.here[model.chains.device_chain(row.signal)];
+        let Some(clock) = watch.clocks.get_mut(here.clock as usize) else { return false };
+        let took = row.time.wrapping_sub(here.since);
+        // A time below zero is longer than can be told, or of a scan whose order was mended.
+        if !clock.runs || took < 0 || !lane.take(here.state, row.time, took) {
+            return false;
         }
+        here.enter(state, row.time);
+        (clock.last, clock.state) = (row.time, state);
+        flip.take();
+        true
     }
 
     /// Two rows of one scan, of two devices that have nothing to do with one another; false, and
@@ -79,7 +112,7 @@ impl Monitor {
         let (Some(one), Some(other)) = (self.usual_step(row), self.usual_step(next)) else {
             return false;
         };
-        let together = one.device == other.device || one.starting && other.starting;
+        let together = one.device == other.device || one.of_group.is_some() && other.of_group.is_some();
         if together || one.waits || other.waits {
             return false;
         }
@@ -89,42 +122,39 @@ impl Monitor {
         for (row, step) in steps {
             self.take_step(row, step);
         }
-        self.watch.now = next.time;
         true
     }
 
     /// What a row comes to that is a scan of its own; `None` where anything about it is not usual.
     #[inline(always)]
-    fn usual_step(&self, row: Row) -> Option<Step> {
-        let watch = &self.watch;
-        if row.time >= watch.next_deadline || !watch.values.flips(row.signal, row.value) {
+    fn usual_step(&mut self, row: Row) -> Option<Step> {
+        let watch = &mut self.watch;
+        if row.time >= watch.next_deadline {
             return None;
         }
+        watch.values.flip(row.signal, row.value)?;
         let state = 2 * row.signal + row.value as u32;
-        let place = self.lanes.place(state)?;
-        let (lane, since) = self.known(place.device, ChainKind::Device, state)?;
+        let device = self.model.chains.device_chain(row.signal);
+        let (lane, since) = self.known(device, ChainKind::Device, state)?;
         let waits = self.lanes.waits(lane);
         let since =
             if waits { self.lanes.due(lane, self.lanes.last_entry(state), since)? } else { since };
         let of_device = self.lanes.usual(lane, Timed::new(since, row.time, true).took)?;
-        let group = self.model.chains.group_of(place.device);
-        if watch.group_stalled[group].is_some() {
+        let group = self.model.chains.group_of(device);
+        if !self.watch.clocks[group].runs {
             return None;
         }
-        let (group_chain, of_group) = if place.starting {
+        let of_group = match self.model.chains.group_chain(row.signal) {
             // The return to the first state closes a cycle.
-            if state == self.model.learned.group_start[group] {
-                return None;
+            Some(_) if state == self.model.learned.group_start[group] => return None,
+            Some(chain) => {
+                let (lane, since) = self.known(chain, ChainKind::Group, state)?;
+                let took = Timed::new(since, row.time, true).took;
+                Some((chain, self.lanes.usual(lane, took)?))
             }
-            let chain = self.model.chains.chain_of_group(group);
-            let (lane, since) = self.known(chain, ChainKind::Group, state)?;
-            let took = Timed::new(since, row.time, true).took;
-            (chain, self.lanes.usual(lane, took)?)
-        } else {
-            (place.device, of_device)
+            None => None,
         };
-        let (device, starting) = (place.device, place.starting);
-        Some(Step { state, device, of_device, starting, group_chain, of_group, waits })
+        Some(Step { state, device, of_device, of_group, waits })
     }
 
     /// The lane of a chain's known transition to a state, and since when the chain stood where it
@@ -136,31 +166,30 @@ impl Monitor {
         kind: ChainKind,
         state: StateId,
     ) -> Option<(usize, Nanoseconds)> {
-        if self.watch.off_path[chain] {
+        let here = self.watch.here[chain];
+        if here.off_path() {
             return None;
         }
-        let Here { state: from, since } = self.watch.here[chain];
-        Some((self.lanes.find(kind, from, state)?, since))
+        Some((self.lanes.find(kind, here.state, state)?, here.since))
     }
 
     #[inline(always)]
     fn take_step(&mut self, row: Row, step: Step) {
         self.lanes.take(step.of_device);
-        self.lanes.keep_entry(step.state, row.time);
+        self.lanes.enter(step.state, row.time);
         let watch = &mut self.watch;
-        watch.now = row.time;
-        watch.values.flip(row.signal);
-        let here = Here { state: step.state, since: row.time };
-        watch.here[step.device] = here;
-        if step.starting {
-            self.lanes.take(step.of_group);
-            watch.here[step.group_chain] = here;
+        if let Some(flip) = watch.values.flip(row.signal, row.value) {
+            flip.take();
         }
+        watch.here[step.device].enter(step.state, row.time);
+        if let Some((chain, of_group)) = step.of_group {
+            self.lanes.take(of_group);
+            watch.here[chain].enter(step.state, row.time);
+        }
+        // Its clock runs already, and what it is to stall by is not earlier than it was.
         let group = self.model.chains.group_of(step.device);
-        watch.group_last[group] = row.time;
-        watch.group_last_state[group] = step.state;
-        let deadline = row.time.saturating_add(self.stall_after[group]);
-        watch.next_deadline = watch.next_deadline.min(deadline);
+        let clock = &mut watch.clocks[group];
+        (clock.last, clock.state) = (row.time, step.state);
     }
 }
 
