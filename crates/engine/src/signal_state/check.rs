@@ -40,11 +40,13 @@ const OBSERVATIONS_AT_LEAST: u32 = 5;
 
 /// All departures of a group, causes first.
 pub fn departures(model: &NominalModel, group: usize, lanes: &Lanes) -> Vec<Departure> {
-    let mut found = Vec::new();
+    let mut found: Vec<(u32, Departure)> = Vec::new();
+    // Rules lie side by side as their lanes do; only what is found is put in order.
     for checked in lanes.checked(group) {
         let rule = checked.rule();
+        let sequence = model.rules[rule].sequence;
         if checked.branches() {
-            found.extend(branch(model, rule, lanes));
+            found.extend(branch(model, rule, lanes).map(|departure| (sequence, departure)));
         }
         if lanes.count(rule) == 0 {
             continue;
@@ -53,11 +55,12 @@ pub fn departures(model: &NominalModel, group: usize, lanes: &Lanes) -> Vec<Depa
         let timed = model.parameters.timing == Timing::Plat
             || model.chains.kind(model.rules[rule].chain) == ChainKind::Device;
         if timed {
-            found.extend(times(model, rule, lanes));
-            found.extend(average(model, rule, lanes));
+            let of_rule = [times(model, rule, lanes), average(model, rule, lanes)];
+            found.extend(of_rule.into_iter().flatten().map(|departure| (sequence, departure)));
         }
     }
-    found
+    found.sort_by_key(|(sequence, _)| *sequence);
+    found.into_iter().map(|(_, departure)| departure).collect()
 }
 
 /// The branches out of a state, asked once, at the first of them.

@@ -50,7 +50,7 @@ impl Lanes {
             .chain(self.further(at).iter().map(|band| band.seen))
     }
 
-    /// The rules of a group, causes first.
+    /// The rules of a group, in the model's order.
     pub fn checked(&self, group: usize) -> &[Checked] {
         self.layout.checked.get(group).map_or(&[], Vec::as_slice)
     }

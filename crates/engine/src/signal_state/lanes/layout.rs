@@ -29,7 +29,7 @@ pub(super) struct Layout {
     /// States of which something must know when they were entered, ascending: theirs are the first
     /// sides with something on them.
     pub(super) tracked: Vec<StateId>,
-    /// Per group: its rules in the order of the complete transition sequence.
+    /// Per group: its rules, in the model's order.
     pub(super) checked: Vec<Vec<Checked>>,
 }
 
@@ -192,7 +192,7 @@ fn tracked(model: &NominalModel) -> Vec<StateId> {
     tracked
 }
 
-/// The rules of each group in the order of the complete transition sequence.
+/// The rules of each group.
 fn checked(model: &NominalModel) -> Vec<Vec<Checked>> {
     let mut groups: Vec<Vec<Checked>> = vec![Vec::new(); model.plant.groups.len()];
     for (index, rule) in model.rules.iter().enumerate() {
@@ -201,10 +201,7 @@ fn checked(model: &NominalModel) -> Vec<Vec<Checked>> {
         groups[model.chains.group_of(rule.chain)]
             .push(Checked(2 * index as u32 + u32::from(row.len() > 1 && first == Some(index))));
     }
-    for group in &mut groups {
-        group.sort_by_key(|checked| model.rules[checked.rule()].sequence);
-        group.shrink_to_fit();
-    }
+    groups.iter_mut().for_each(Vec::shrink_to_fit);
     groups
 }
 
