@@ -13,7 +13,7 @@ use crate::timing::TimeCluster;
 use crate::timing::limits::{BODY_INSTANCES, plat_allowance_s};
 
 use super::chains::ChainKind;
-use super::lanes::Lanes;
+use super::lanes::{Lanes, Seen};
 use super::model::NominalModel;
 use super::parameters::Timing;
 use super::rules::row_of;
@@ -101,8 +101,11 @@ fn branch(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure>
 /// The several times of one transition.
 fn times(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure> {
     let clusters = model.rules[rule].judged();
+    if clusters.len() < 2 {
+        return None;
+    }
     let total: u32 = lanes.seen(rule).map(|seen| seen.count).sum();
-    if clusters.len() < 2 || total == 0 {
+    if total == 0 {
         return None;
     }
     let changed = clusters.iter().zip(lanes.seen(rule)).any(|(cluster, seen)| {
@@ -113,15 +116,17 @@ fn times(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure> 
             cluster.dispersion.into(),
         )
     });
-    let observed_shares: Vec<f64> =
-        lanes.seen(rule).map(|seen| f64::from(seen.count) / f64::from(total)).collect();
-    changed.then(|| Departure {
-        kind: Kind::TimeProbability,
-        rule,
-        observed: observed_shares[0],
-        learned: clusters[0].probability,
-        observed_shares,
-        learned_shares: clusters.iter().map(|c| c.probability).collect(),
+    changed.then(|| {
+        let share = |seen: Seen| f64::from(seen.count) / f64::from(total);
+        let observed_shares: Vec<f64> = lanes.seen(rule).map(share).collect();
+        Departure {
+            kind: Kind::TimeProbability,
+            rule,
+            observed: observed_shares[0],
+            learned: clusters[0].probability,
+            observed_shares,
+            learned_shares: clusters.iter().map(|c| c.probability).collect(),
+        }
     })
 }
 

@@ -47,9 +47,8 @@ impl Monitor {
                 fetched += BLOCK;
             }
             if over(row, next) {
-                if !self.take_plain(*row) {
-                    let Some(step) = self.usual_step(*row) else { break };
-                    self.take_step(*row, step);
+                if !self.take_plain(*row) && !self.take_particular(*row) {
+                    break;
                 }
                 at += 1;
             } else {
@@ -102,6 +101,14 @@ impl Monitor {
         here.enter(state, row.time);
         (clock.last, clock.state) = (row.time, state);
         flip.take();
+        true
+    }
+
+    /// Takes any other usual row that is a scan of its own; false, and nothing taken, where it is not.
+    #[inline(never)]
+    fn take_particular(&mut self, row: Row) -> bool {
+        let Some(step) = self.usual_step(row) else { return false };
+        self.take_step(row, step);
         true
     }
 
