@@ -70,13 +70,14 @@ impl Values {
         }
     }
 
-    /// Whether the signal is known to have the opposite boolean value, so that a row is an event,
-    /// beyond doubt; then it may be taken in.
+    /// A row that is the change of a signal to a boolean value, which may then be taken in; `None`
+    /// for any other.
     #[inline(always)]
-    pub fn flip(&mut self, signal: SignalIndex, value: i64) -> Option<Flip<'_>> {
+    pub fn change(&mut self, signal: SignalIndex, value: i64) -> Option<Change<'_>> {
         let last = self.last.get_mut(signal as usize)?;
-        // Nothing else than a boolean known is less than 2.
-        ((*last as u64 ^ 1) == value as u64 && *last < UNKNOWN).then_some(Flip(last))
+        // Also from a value nobody knew, or from a word.
+        let changes = u64::from(*last & !DOUBTED) != value as u64;
+        (changes && value & !1 == 0).then_some(Change { last, value: value as u8 })
     }
 
     /// A gap: every signal may have changed unseen.
@@ -85,15 +86,18 @@ impl Values {
     }
 }
 
-/// An event that is nothing but the change of a boolean.
+/// The change of a signal to a boolean value.
 #[derive(Debug)]
-pub struct Flip<'a>(&'a mut u8);
+pub struct Change<'a> {
+    last: &'a mut u8,
+    value: u8,
+}
 
-impl Flip<'_> {
+impl Change<'_> {
     /// Takes it in.
     #[inline(always)]
     pub fn take(self) {
-        *self.0 ^= 1;
+        *self.last = self.value;
     }
 }
 

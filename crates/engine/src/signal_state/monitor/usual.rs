@@ -88,7 +88,7 @@ impl Monitor {
         if row.time >= watch.next_deadline {
             return false;
         }
-        let Some(flip) = watch.values.flip(row.signal, row.value) else { return false };
+        let Some(change) = watch.values.change(row.signal, row.value) else { return false };
         let state = 2 * row.signal + row.value as u32;
         let Some(lane) = lanes.plain(state) else { return false };
         let here = &mut watch.here[model.chains.device_chain(row.signal)];
@@ -100,7 +100,7 @@ impl Monitor {
         }
         here.enter(state, row.time);
         (clock.last, clock.state) = (row.time, state);
-        flip.take();
+        change.take();
         true
     }
 
@@ -120,7 +120,10 @@ impl Monitor {
             return false;
         };
         let together = one.device == other.device || one.of_group.is_some() && other.of_group.is_some();
-        if together || one.waits || other.waits {
+        let hangs = |one: &Step, other: &Step| {
+            one.waits && self.lanes.waits_for(one.of_device, other.state)
+        };
+        if together || hangs(&one, &other) || hangs(&other, &one) {
             return false;
         }
         // Their group remembers the last.
@@ -139,7 +142,7 @@ impl Monitor {
         if row.time >= watch.next_deadline {
             return None;
         }
-        watch.values.flip(row.signal, row.value)?;
+        watch.values.change(row.signal, row.value)?;
         let state = 2 * row.signal + row.value as u32;
         let device = self.model.chains.device_chain(row.signal);
         let (lane, since) = self.known(device, ChainKind::Device, state)?;
@@ -185,8 +188,8 @@ impl Monitor {
         self.lanes.take(step.of_device);
         self.lanes.enter(step.state, row.time);
         let watch = &mut self.watch;
-        if let Some(flip) = watch.values.flip(row.signal, row.value) {
-            flip.take();
+        if let Some(change) = watch.values.change(row.signal, row.value) {
+            change.take();
         }
         watch.here[step.device].enter(step.state, row.time);
         if let Some((chain, of_group)) = step.of_group {
