@@ -134,22 +134,13 @@ impl Monitor {
     /// # Errors
     /// A row older than one already watched; nothing of the batch is taken then.
     pub fn take_rows(&mut self, rows: &[Row]) -> Result<(), MonitorError> {
-        self.take_first_rows(rows, rows.len())
-    }
-
-    /// What [`Self::take_rows`] does with the first `count` of the rows. Those after them are only
-    /// looked at: what they need can be fetched in time, and a scan that they do not belong to
-    /// is seen to be over.
-    ///
-    /// # Errors
-    /// A row older than one already watched; nothing of the batch is taken then.
-    pub fn take_first_rows(&mut self, rows: &[Row], count: usize) -> Result<(), MonitorError> {
         self.check_order(rows)?;
+        let mut fetched = 0;
         let mut taken = 0;
-        while taken < count {
-            taken += self.take_usual_rows(&rows[taken..], count - taken);
-            if taken < count {
-                taken += self.take_next(&rows[taken..], count - taken);
+        while taken < rows.len() {
+            taken = self.take_usual_rows(rows, taken, &mut fetched);
+            if taken < rows.len() {
+                taken += self.take_next(&rows[taken..]);
             }
         }
         Ok(())

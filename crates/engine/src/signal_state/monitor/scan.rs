@@ -11,10 +11,9 @@ use super::watch::Clock;
 use super::{FURTHER_STATES_AT_MOST, Monitor, REORDER_AT_MOST};
 
 impl Monitor {
-    /// Takes the first of the rows, and those of its scan where that is complete and among the
-    /// first `count`; returns how many.
+    /// Takes the first of the rows, and those of its scan where that is complete; returns how many.
     #[inline]
-    pub(super) fn take_next(&mut self, rows: &[Row], count: usize) -> usize {
+    pub(super) fn take_next(&mut self, rows: &[Row]) -> usize {
         let row = rows[0];
         if self.scan_is_over(row.time) {
             self.complete_scan();
@@ -23,7 +22,6 @@ impl Monitor {
         if watch.pending.is_empty() && watch.started && !watch.resynchronise {
             let length = self.scan_length(rows);
             if let Some(last) = rows[..length].last()
-                && length <= count
                 && last.time < watch.next_deadline
             {
                 if length == 1 && (row.signal as usize) < self.model.plant.signals.len() {

@@ -11,9 +11,9 @@ use crate::signal_state::states::StateId;
 
 use super::Monitor;
 
-/// Rows whose lanes are fetched at once, two such blocks ahead of their turn; the block after it
-/// is then at hand to fetch what stands beside its lanes. The memory behind a big plant's lanes is
-/// the cost of watching it, unless it is asked for in time.
+/// Rows whose lanes are fetched together, two such blocks ahead of their turn, and what stands
+/// beside the lanes one block ahead. The memory behind a big plant's lanes is the cost of watching
+/// it, unless it is asked for in time.
 const BLOCK: usize = 8;
 
 /// What one usual row comes to.
@@ -28,23 +28,25 @@ struct Step {
 }
 
 impl Monitor {
-    /// Takes rows from the first on, at most `count`, as long as all is usual; returns how many.
-    pub(super) fn take_usual_rows(&mut self, rows: &[Row], count: usize) -> usize {
+    /// Takes rows from one on, as long as all is usual; returns the place of the first not taken.
+    /// `fetched` counts the rows before whose turn all has been fetched.
+    pub(super) fn take_usual_rows(
+        &mut self,
+        rows: &[Row],
+        from: usize,
+        fetched: &mut usize,
+    ) -> usize {
         if !self.watch.pending.is_empty() || !self.watch.started || self.watch.resynchronise {
-            return 0;
+            return from;
         }
         let scan = self.model.learned.scan_window.max(1) as u64;
         let over = |first: &Row, after: &Row| after.time.wrapping_sub(first.time) as u64 >= scan;
-        self.fetch_first(rows);
-        let mut fetched = 0;
-        let mut at = 0;
+        let mut at = from;
         // The end of a scan shows in the row after it.
-        while let Some([row, next]) = rows.get(at..at + 2)
-            && at < count
-        {
-            if at >= fetched {
-                self.fetch_block(rows, fetched);
-                fetched += BLOCK;
+        while let Some([row, next]) = rows.get(at..at + 2) {
+            if at >= *fetched {
+                self.fetch_block(rows, at);
+                *fetched = at + BLOCK;
             }
             if over(row, next) {
                 if !self.take_plain(*row) && !self.take_particular(*row) {
@@ -52,32 +54,28 @@ impl Monitor {
                 }
                 at += 1;
             } else {
-                let pair = at + 2 <= count && rows.get(at + 2).is_some_and(|after| over(row, after));
+                let pair = rows.get(at + 2).is_some_and(|after| over(row, after));
                 if !pair || !self.take_pair(*row, *next) {
                     break;
                 }
                 at += 2;
             }
         }
-        if let Some(last) = rows[..at].last() {
+        if let Some(last) = rows[from..at].last() {
             self.watch.now = last.time;
         }
         at
     }
 
-    fn fetch_first(&self, rows: &[Row]) {
-        rows.iter().take(2 * BLOCK).for_each(|row| self.lanes.fetch(boolean_state(row)));
-    }
-
-    /// Fetches what the rows of the next blocks will need.
+    /// Fetches what the rows of the blocks after this one will need: the first blocks of all, which
+    /// nothing was fetched for, are few.
     #[inline(always)]
     fn fetch_block(&self, rows: &[Row], from: usize) {
-        let block = |number: usize| {
-            let start = (from + number * BLOCK).min(rows.len());
-            &rows[start..(start + BLOCK).min(rows.len())]
-        };
-        block(2).iter().for_each(|row| self.lanes.fetch(boolean_state(row)));
-        block(1).iter().for_each(|row| self.lanes.fetch_side(boolean_state(row)));
+        let Some(rows) = rows.get(from..from + 3 * BLOCK) else { return };
+        for (near, far) in rows[BLOCK..2 * BLOCK].iter().zip(&rows[2 * BLOCK..]) {
+            self.lanes.fetch(boolean_state(far));
+            self.lanes.fetch_side(boolean_state(near));
+        }
     }
 
     /// Takes a row that is a scan of its own and needs no more than the lane of its state; false,
