@@ -7,13 +7,15 @@
 //! explains it: the standardised difference, with the dispersion learned for that very share or
 //! mean, must be as rare as the budget demands.
 
+use prefetch_index::prefetch_index;
+
 use crate::finding::Kind;
 use crate::log::SECOND;
 use crate::timing::TimeCluster;
 use crate::timing::limits::{BODY_INSTANCES, plat_allowance_s};
 
 use super::chains::ChainKind;
-use super::lanes::{Lanes, Seen};
+use super::lanes::{Checked, Lanes, Seen};
 use super::model::NominalModel;
 use super::parameters::Timing;
 use super::rules::row_of;
@@ -38,14 +40,20 @@ pub struct Departure {
 /// Fewer observations than this in a window prove nothing in `adaptive`.
 const OBSERVATIONS_AT_LEAST: u32 = 5;
 
+/// Rules before their turn whose times are fetched, and twice as many before it what leads there: a
+/// rule seldom asked for has them out of the processor's sight.
+const AHEAD: usize = 8;
+
 /// All departures of a group, causes first.
 pub fn departures(model: &NominalModel, group: usize, lanes: &Lanes) -> Vec<Departure> {
     let mut found: Vec<(u32, Departure)> = Vec::new();
     // Rules lie side by side as their lanes do; only what is found is put in order.
-    for checked in lanes.checked(group) {
-        let rule = checked.rule();
+    let checked = lanes.checked(group);
+    for (place, checked_here) in checked.iter().enumerate() {
+        fetch(model, &checked[place..]);
+        let rule = checked_here.rule();
         let sequence = model.rules[rule].sequence;
-        if checked.branches() {
+        if checked_here.branches() {
             found.extend(branch(model, rule, lanes).map(|departure| (sequence, departure)));
         }
         if lanes.count(rule) == 0 {
@@ -61,6 +69,20 @@ pub fn departures(model: &NominalModel, group: usize, lanes: &Lanes) -> Vec<Depa
     }
     found.sort_by_key(|(sequence, _)| *sequence);
     found.into_iter().map(|(_, departure)| departure).collect()
+}
+
+/// Fetches what rules yet to be checked need.
+fn fetch(model: &NominalModel, to_come: &[Checked]) {
+    if let Some(far) = to_come.get(2 * AHEAD)
+        && let Some(trigger) = &model.rules[far.rule()].trigger
+    {
+        prefetch_index(std::slice::from_ref(trigger.as_ref()), 0);
+    }
+    if let Some(near) = to_come.get(AHEAD) {
+        let clusters = model.rules[near.rule()].judged();
+        prefetch_index(clusters, 0);
+        prefetch_index(clusters, 1);
+    }
 }
 
 /// The branches out of a state, asked once, at the first of them.
