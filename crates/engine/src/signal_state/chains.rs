@@ -47,8 +47,7 @@ impl Chains {
         chains.group_of_chain.extend(0..plant.groups.len() as u32);
         for device in &plant.devices {
             if let Some(starting) = device.starting {
-                chains.group_chain_of_signal[starting as usize] =
-                    (devices + device.group) as u32;
+                chains.group_chain_of_signal[starting as usize] = (devices + device.group) as u32;
             }
         }
         chains

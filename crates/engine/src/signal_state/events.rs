@@ -58,8 +58,8 @@ impl Values {
     pub fn take(&mut self, signal: SignalIndex, value: i64) -> Meaning {
         let byte = if value & !1 == 0 { value as u8 } else { WORD };
         let last = std::mem::replace(&mut self.last[signal as usize], byte);
-        let same = last & !DOUBTED == byte
-            && (byte != WORD || self.words.get(&signal) == Some(&value));
+        let same =
+            last & !DOUBTED == byte && (byte != WORD || self.words.get(&signal) == Some(&value));
         if byte == WORD && !same {
             self.words.insert(signal, value);
         }

@@ -271,10 +271,11 @@ impl Monitor {
     #[cold]
     fn disorder(&self, rows: &[Row]) -> MonitorError {
         let before = std::iter::once(self.watch.now).chain(rows.iter().map(|row| row.time));
-        let mut late = rows.iter().zip(before).zip(1..).filter(|((row, newest), _)| row.time < *newest);
-        let (row, late) = late.next().map_or((0, 0), |((row, newest), number)| {
-            (number, newest.saturating_sub(row.time))
-        });
+        let mut late =
+            rows.iter().zip(before).zip(1..).filter(|((row, newest), _)| row.time < *newest);
+        let (row, late) = late
+            .next()
+            .map_or((0, 0), |((row, newest), number)| (number, newest.saturating_sub(row.time)));
         MonitorError::Order { row, late_s: format!("{:.3}", late as f64 / SECOND as f64) }
     }
 

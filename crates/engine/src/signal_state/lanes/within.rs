@@ -39,12 +39,7 @@ mod tests {
     use super::*;
 
     fn edge() -> impl Strategy<Value = Nanoseconds> {
-        prop_oneof![
-            Just(Nanoseconds::MIN),
-            Just(Nanoseconds::MAX),
-            -3..4i64,
-            any::<Nanoseconds>()
-        ]
+        prop_oneof![Just(Nanoseconds::MIN), Just(Nanoseconds::MAX), -3..4i64, any::<Nanoseconds>()]
     }
 
     proptest! {

@@ -117,7 +117,8 @@ impl Monitor {
         let (Some(one), Some(other)) = (self.usual_step(row), self.usual_step(next)) else {
             return false;
         };
-        let together = one.device == other.device || one.of_group.is_some() && other.of_group.is_some();
+        let together =
+            one.device == other.device || one.of_group.is_some() && other.of_group.is_some();
         let hangs = |one: &Step, other: &Step| {
             one.waits && self.lanes.waits_for(one.of_device, other.state)
         };
