@@ -233,6 +233,12 @@ impl Lanes {
         NONE
     }
 
+    /// True for a learned state of a starting signal: a step of its group's chain.
+    #[inline(always)]
+    pub fn starts(&self, state: StateId) -> bool {
+        self.lanes[state as usize].has(Traits::STARTING)
+    }
+
     /// True where the lane's time runs from another event.
     #[inline(always)]
     pub fn waits(&self, lane: usize) -> bool {

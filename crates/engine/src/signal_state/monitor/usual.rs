@@ -10,6 +10,7 @@ use crate::signal_state::lanes::Usual;
 use crate::signal_state::states::StateId;
 
 use super::Monitor;
+use super::watch::Here;
 
 /// Rows whose lanes are fetched together, two such blocks ahead of their turn, and what stands
 /// beside the lanes one block ahead. The memory behind a big plant's lanes is the cost of watching
@@ -21,6 +22,7 @@ const BLOCK: usize = 8;
 struct Step {
     state: StateId,
     device: ChainIndex,
+    clock: u32,
     of_device: Usual,
     /// Where the group's chain moves too.
     of_group: Option<(ChainIndex, Usual)>,
@@ -144,41 +146,33 @@ impl Monitor {
         watch.values.change(row.signal, row.value)?;
         let state = 2 * row.signal + row.value as u32;
         let device = self.model.chains.device_chain(row.signal);
-        let (lane, since) = self.known(device, ChainKind::Device, state)?;
+        let here = self.watch.here[device];
+        let (lane, since) = self.known(here, ChainKind::Device, state)?;
         let waits = self.lanes.waits(lane);
         let since =
             if waits { self.lanes.due(lane, self.lanes.last_entry(state), since)? } else { since };
         let of_device = self.lanes.usual(lane, Timed::new(since, row.time, true).took)?;
-        let group = self.model.chains.group_of(device);
-        if !self.watch.clocks[group].runs {
-            return None;
-        }
-        let of_group = match self.model.chains.group_chain(row.signal) {
+        let of_group = if self.lanes.starts(state) {
+            let group = here.clock as usize;
             // The return to the first state closes a cycle.
-            Some(_) if state == self.model.learned.group_start[group] => return None,
-            Some(chain) => {
-                let (lane, since) = self.known(chain, ChainKind::Group, state)?;
-                let took = Timed::new(since, row.time, true).took;
-                Some((chain, self.lanes.usual(lane, took)?))
+            if state == self.model.learned.group_start[group] {
+                return None;
             }
-            None => None,
+            let chain = self.model.chains.chain_of_group(group);
+            let (lane, since) = self.known(self.watch.here[chain], ChainKind::Group, state)?;
+            let took = Timed::new(since, row.time, true).took;
+            Some((chain, self.lanes.usual(lane, took)?))
+        } else {
+            None
         };
-        Some(Step { state, device, of_device, of_group, waits })
+        Some(Step { state, device, clock: here.clock, of_device, of_group, waits })
     }
 
     /// The lane of a chain's known transition to a state, and since when the chain stood where it
-    /// stands; `None` off the path.
+    /// stands; `None` off the path, and where its group's clock does not run.
     #[inline(always)]
-    fn known(
-        &self,
-        chain: ChainIndex,
-        kind: ChainKind,
-        state: StateId,
-    ) -> Option<(usize, Nanoseconds)> {
-        let here = self.watch.here[chain];
-        if here.off_path() {
-            return None;
-        }
+    fn known(&self, here: Here, kind: ChainKind, state: StateId) -> Option<(usize, Nanoseconds)> {
+        self.watch.clocks.get(here.clock as usize).filter(|clock| clock.runs)?;
         Some((self.lanes.find(kind, here.state, state)?, here.since))
     }
 
@@ -196,8 +190,7 @@ impl Monitor {
             watch.here[chain].enter(step.state, row.time);
         }
         // Its clock runs already, and what it is to stall by is not earlier than it was.
-        let group = self.model.chains.group_of(step.device);
-        let clock = &mut watch.clocks[group];
+        let clock = &mut watch.clocks[step.clock as usize];
         (clock.last, clock.state) = (row.time, step.state);
     }
 }
