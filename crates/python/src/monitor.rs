@@ -26,7 +26,7 @@ type Columns<'py> =
     (PyReadonlyArray1<'py, i64>, PyReadonlyArray1<'py, u32>, PyReadonlyArray1<'py, i64>);
 
 /// Rows handed to the engine at once.
-pub const CHUNK_ROWS: usize = 256;
+pub const CHUNK_ROWS: usize = 4096;
 
 /// Watches one plant.
 #[pyclass(name = "Monitor", module = "runglight._engine")]

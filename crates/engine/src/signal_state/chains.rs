@@ -19,20 +19,14 @@ pub enum ChainKind {
     Group,
 }
 
-/// Where a signal stands.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-struct Place {
-    device: u32,
-    /// Its group's chain where the signal is a starting signal, else `NO_CHAIN`.
-    group_chain: u32,
-}
-
 /// Which chains a signal's events belong to.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Chains {
     devices: usize,
-    /// Per signal.
-    places: Vec<Place>,
+    /// Per signal: its device's chain.
+    device_of_signal: Vec<u32>,
+    /// Per signal: its group's chain where it is a starting signal, else `NO_CHAIN`.
+    group_chain_of_signal: Vec<u32>,
     /// Per chain: its group.
     group_of_chain: Vec<u32>,
 }
@@ -46,17 +40,14 @@ impl Chains {
         let devices = plant.devices.len();
         let mut chains = Self {
             devices,
-            places: plant
-                .signals
-                .iter()
-                .map(|s| Place { device: s.device() as u32, group_chain: NO_CHAIN })
-                .collect(),
+            device_of_signal: plant.signals.iter().map(|s| s.device() as u32).collect(),
+            group_chain_of_signal: vec![NO_CHAIN; plant.signals.len()],
             group_of_chain: plant.devices.iter().map(|d| d.group as u32).collect(),
         };
         chains.group_of_chain.extend(0..plant.groups.len() as u32);
         for device in &plant.devices {
             if let Some(starting) = device.starting {
-                chains.places[starting as usize].group_chain = (devices + device.group) as u32;
+                chains.group_chain_of_signal[starting as usize] = (devices + device.group) as u32;
             }
         }
         chains
@@ -80,13 +71,13 @@ impl Chains {
     /// The device's chain of a signal.
     #[inline]
     pub fn device_chain(&self, signal: SignalIndex) -> ChainIndex {
-        self.places[signal as usize].device as usize
+        self.device_of_signal[signal as usize] as usize
     }
 
     /// The group's chain of a signal, where the signal stands for its device.
     #[inline]
     pub fn group_chain(&self, signal: SignalIndex) -> Option<ChainIndex> {
-        let chain = self.places[signal as usize].group_chain;
+        let chain = self.group_chain_of_signal[signal as usize];
         (chain != NO_CHAIN).then_some(chain as usize)
     }
 

@@ -7,13 +7,15 @@
 //! explains it: the standardised difference, with the dispersion learned for that very share or
 //! mean, must be as rare as the budget demands.
 
+use prefetch_index::prefetch_index;
+
 use crate::finding::Kind;
 use crate::log::SECOND;
 use crate::timing::TimeCluster;
 use crate::timing::limits::{BODY_INSTANCES, plat_allowance_s};
 
 use super::chains::ChainKind;
-use super::lanes::Lanes;
+use super::lanes::{Checked, Lanes, Seen};
 use super::model::NominalModel;
 use super::parameters::Timing;
 use super::rules::row_of;
@@ -38,13 +40,21 @@ pub struct Departure {
 /// Fewer observations than this in a window prove nothing in `adaptive`.
 const OBSERVATIONS_AT_LEAST: u32 = 5;
 
+/// Rules before their turn whose times are fetched, and twice as many before it what leads there: a
+/// rule seldom asked for has them out of the processor's sight.
+const AHEAD: usize = 8;
+
 /// All departures of a group, causes first.
 pub fn departures(model: &NominalModel, group: usize, lanes: &Lanes) -> Vec<Departure> {
-    let mut found = Vec::new();
-    for checked in lanes.checked(group) {
-        let rule = checked.rule();
-        if checked.branches() {
-            found.extend(branch(model, rule, lanes));
+    let mut found: Vec<(u32, Departure)> = Vec::new();
+    // Rules lie side by side as their lanes do; only what is found is put in order.
+    let checked = lanes.checked(group);
+    for (place, checked_here) in checked.iter().enumerate() {
+        fetch(model, &checked[place..]);
+        let rule = checked_here.rule();
+        let sequence = model.rules[rule].sequence;
+        if checked_here.branches() {
+            found.extend(branch(model, rule, lanes).map(|departure| (sequence, departure)));
         }
         if lanes.count(rule) == 0 {
             continue;
@@ -53,11 +63,26 @@ pub fn departures(model: &NominalModel, group: usize, lanes: &Lanes) -> Vec<Depa
         let timed = model.parameters.timing == Timing::Plat
             || model.chains.kind(model.rules[rule].chain) == ChainKind::Device;
         if timed {
-            found.extend(times(model, rule, lanes));
-            found.extend(average(model, rule, lanes));
+            let of_rule = [times(model, rule, lanes), average(model, rule, lanes)];
+            found.extend(of_rule.into_iter().flatten().map(|departure| (sequence, departure)));
         }
     }
-    found
+    found.sort_by_key(|(sequence, _)| *sequence);
+    found.into_iter().map(|(_, departure)| departure).collect()
+}
+
+/// Fetches what rules yet to be checked need.
+fn fetch(model: &NominalModel, to_come: &[Checked]) {
+    if let Some(far) = to_come.get(2 * AHEAD)
+        && let Some(trigger) = &model.rules[far.rule()].trigger
+    {
+        prefetch_index(std::slice::from_ref(trigger.as_ref()), 0);
+    }
+    if let Some(near) = to_come.get(AHEAD) {
+        let clusters = model.rules[near.rule()].judged();
+        prefetch_index(clusters, 0);
+        prefetch_index(clusters, 1);
+    }
 }
 
 /// The branches out of a state, asked once, at the first of them.
@@ -98,8 +123,11 @@ fn branch(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure>
 /// The several times of one transition.
 fn times(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure> {
     let clusters = model.rules[rule].judged();
+    if clusters.len() < 2 {
+        return None;
+    }
     let total: u32 = lanes.seen(rule).map(|seen| seen.count).sum();
-    if clusters.len() < 2 || total == 0 {
+    if total == 0 {
         return None;
     }
     let changed = clusters.iter().zip(lanes.seen(rule)).any(|(cluster, seen)| {
@@ -110,15 +138,17 @@ fn times(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure> 
             cluster.dispersion.into(),
         )
     });
-    let observed_shares: Vec<f64> =
-        lanes.seen(rule).map(|seen| f64::from(seen.count) / f64::from(total)).collect();
-    changed.then(|| Departure {
-        kind: Kind::TimeProbability,
-        rule,
-        observed: observed_shares[0],
-        learned: clusters[0].probability,
-        observed_shares,
-        learned_shares: clusters.iter().map(|c| c.probability).collect(),
+    changed.then(|| {
+        let share = |seen: Seen| f64::from(seen.count) / f64::from(total);
+        let observed_shares: Vec<f64> = lanes.seen(rule).map(share).collect();
+        Departure {
+            kind: Kind::TimeProbability,
+            rule,
+            observed: observed_shares[0],
+            learned: clusters[0].probability,
+            observed_shares,
+            learned_shares: clusters.iter().map(|c| c.probability).collect(),
+        }
     })
 }
 

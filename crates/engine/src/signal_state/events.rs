@@ -36,63 +36,68 @@ pub enum Meaning {
 /// The last value of every signal: a byte for the values nearly all of them have.
 #[derive(Debug, Clone, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct Values {
+    /// 0, 1, [`UNKNOWN`] or [`WORD`], and [`DOUBTED`].
     last: Vec<u8>,
     /// Values other than 0 and 1.
     words: BTreeMap<SignalIndex, i64>,
-    /// Signals not seen again since a gap; empty where there was none.
-    doubted: Vec<bool>,
 }
 
 const UNKNOWN: u8 = 2;
 const WORD: u8 = 3;
+/// Not seen again since a gap.
+const DOUBTED: u8 = 4;
 
 impl Values {
     /// No value known yet.
     pub fn new(signals: usize) -> Self {
-        Self { last: vec![UNKNOWN; signals], words: BTreeMap::new(), doubted: Vec::new() }
+        Self { last: vec![UNKNOWN; signals], words: BTreeMap::new() }
     }
 
     /// Takes a row in and says what it means.
     #[inline]
     pub fn take(&mut self, signal: SignalIndex, value: i64) -> Meaning {
-        let doubted = match self.doubted.get_mut(signal as usize) {
-            Some(doubted) => std::mem::replace(doubted, false),
-            None => false,
-        };
         let byte = if value & !1 == 0 { value as u8 } else { WORD };
         let last = std::mem::replace(&mut self.last[signal as usize], byte);
-        let same = last == byte && (byte != WORD || self.words.get(&signal) == Some(&value));
+        let same =
+            last & !DOUBTED == byte && (byte != WORD || self.words.get(&signal) == Some(&value));
         if byte == WORD && !same {
             self.words.insert(signal, value);
         }
-        match (same, doubted) {
+        match (same, last & DOUBTED != 0) {
             (false, _) => Meaning::Event,
             (true, true) => Meaning::Doubtful,
             (true, false) => Meaning::Sample,
         }
     }
 
-    /// True where the signal is known to have the opposite boolean value: an event, beyond doubt.
+    /// A row that is the change of a signal to a boolean value, which may then be taken in; `None`
+    /// for any other.
     #[inline(always)]
-    pub fn flips(&self, signal: SignalIndex, value: i64) -> bool {
-        let doubted = self.doubted.get(signal as usize).is_some_and(|&doubted| doubted);
-        let last = self.last.get(signal as usize).copied().unwrap_or(UNKNOWN);
-        // Neither an unknown value nor a word is the opposite of 0 or 1.
-        i64::from(last ^ 1) == value && value & !1 == 0 && !doubted
-    }
-
-    /// Takes a row in that [flips](Self::flips) its signal.
-    #[inline(always)]
-    pub fn flip(&mut self, signal: SignalIndex) {
-        if let Some(last) = self.last.get_mut(signal as usize) {
-            *last ^= 1;
-        }
+    pub fn change(&mut self, signal: SignalIndex, value: i64) -> Option<Change<'_>> {
+        let last = self.last.get_mut(signal as usize)?;
+        // Also from a value nobody knew, or from a word.
+        let changes = u64::from(*last & !DOUBTED) != value as u64;
+        (changes && value & !1 == 0).then_some(Change { last, value: value as u8 })
     }
 
     /// A gap: every signal may have changed unseen.
     pub fn doubt(&mut self) {
-        self.doubted.clear();
-        self.doubted.resize(self.last.len(), true);
+        self.last.iter_mut().for_each(|last| *last |= DOUBTED);
+    }
+}
+
+/// The change of a signal to a boolean value.
+#[derive(Debug)]
+pub struct Change<'a> {
+    last: &'a mut u8,
+    value: u8,
+}
+
+impl Change<'_> {
+    /// Takes it in.
+    #[inline(always)]
+    pub fn take(self) {
+        *self.last = self.value;
     }
 }
 

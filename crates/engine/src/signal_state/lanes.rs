@@ -9,22 +9,26 @@
 mod counted;
 mod layout;
 mod sides;
+mod within;
 
 pub use counted::{Counters, Seen};
 pub use layout::Checked;
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 use std::sync::Arc;
 
 use prefetch_index::prefetch_index;
 
 use crate::log::Nanoseconds;
 
-use super::chains::{ChainIndex, ChainKind};
+use super::chains::ChainKind;
 use super::enabling::Trigger;
 use super::states::{NO_STATE, StateId};
 
 use layout::Layout;
+use sides::Side;
+use within::Within;
 
 /// A state not entered since the start or a gap.
 pub const NEVER: Nanoseconds = Nanoseconds::MIN;
@@ -45,35 +49,33 @@ const INLINE: usize = 2;
 struct Lane {
     /// The state it leads from.
     current: StateId,
-    /// The device of the state it leads to, and [`Traits`].
-    device: u32,
-    early: [Nanoseconds; INLINE],
-    late: [Nanoseconds; INLINE],
+    /// The place of its side, and [`Traits`].
+    side: u32,
+    within: [Within; INLINE],
     sum: [Nanoseconds; INLINE],
     seen: [u32; INLINE],
 }
 
-/// What is particular about a lane: the low bits of [`Lane::device`].
+/// What is particular about a lane: the low bits of [`Lane::side`].
 struct Traits;
 
 impl Traits {
-    const BITS: u32 = 4;
+    const BITS: u32 = 3;
     /// The state is one of its device's starting signal.
     const STARTING: u32 = 1;
     /// Its time runs from another event.
     const WAITS: u32 = 2;
-    /// When the state was entered is kept, since something must know.
-    const TRACKED: u32 = 4;
     /// It has further bands.
-    const MORE: u32 = 8;
+    const MORE: u32 = 4;
+    /// An event there is more than a step of one device in its own time.
+    const PARTICULAR: u32 = Self::STARTING | Self::WAITS;
 }
 
 /// No rule leads here. A time nobody learned is never remarkable.
 const UNUSED: Lane = Lane {
     current: NOWHERE,
-    device: u32::MAX << Traits::BITS,
-    early: [Nanoseconds::MIN, Nanoseconds::MAX],
-    late: [Nanoseconds::MAX, Nanoseconds::MIN],
+    side: 0,
+    within: [Within::ALL, Within::NONE],
     sum: [0; INLINE],
     seen: [0; INLINE],
 };
@@ -81,15 +83,27 @@ const UNUSED: Lane = Lane {
 impl Lane {
     #[inline(always)]
     fn has(&self, what: u32) -> bool {
-        self.device & what != 0
+        self.side & what != 0
+    }
+
+    #[inline(always)]
+    fn place_of_side(&self) -> usize {
+        (self.side >> Traits::BITS) as usize
+    }
+
+    /// The band in the lane that a time belongs to.
+    #[inline(always)]
+    fn band(&self, took: Nanoseconds) -> Option<usize> {
+        // Both are asked, whichever it is: a branch here would be guessed wrong every other time.
+        let [first, second] = self.within.map(|within| within.holds(took));
+        (first | second).then_some(usize::from(!first))
     }
 }
 
 /// A band that is not in a lane.
 #[derive(Debug, Clone, Copy)]
 struct Band {
-    early: Nanoseconds,
-    late: Nanoseconds,
+    within: Within,
     seen: Seen,
 }
 
@@ -98,24 +112,16 @@ struct Band {
 pub struct Lanes {
     lanes: Vec<Lane>,
     states: usize,
+    /// By their places.
+    sides: Arc<[Side]>,
     /// Bands that are in no lane.
     more: Vec<Band>,
-    /// By slot: when a state was entered.
+    /// When states were entered, by the places of their sides. Those of which something must know
+    /// come first; all that have no side share the very first, which nothing reads.
     entered: Vec<Nanoseconds>,
     /// By lane: how often it was taken at a time that means nothing, since the last check.
     untimed: BTreeMap<u32, u32>,
     layout: Arc<Layout>,
-}
-
-/// What is known of a state by its number alone.
-#[derive(Debug, Clone, Copy)]
-pub struct Entered {
-    /// When it was entered before; [`NEVER`] where nothing must know.
-    pub before: Nanoseconds,
-    /// Its device.
-    pub device: ChainIndex,
-    /// True where it is one of its device's starting signal.
-    pub starting: bool,
 }
 
 /// A transition as it usually is: its lane, its band, the time it took.
@@ -126,63 +132,73 @@ pub struct Usual {
     took: Nanoseconds,
 }
 
+/// The first lane of a state, where an event needs no more than it.
+#[derive(Debug)]
+pub struct Plain<'a> {
+    lane: &'a mut Lane,
+    entered: &'a mut [Nanoseconds],
+}
+
+impl Plain<'_> {
+    /// Counts a transition from `current` at `time` as a usual one; false, and nothing counted,
+    /// where it is not one of this lane, or what it `took`, not below zero, is not accepted in it.
+    #[inline(always)]
+    pub fn take(self, current: StateId, time: Nanoseconds, took: Nanoseconds) -> bool {
+        let Self { lane, entered } = self;
+        let Some(band) = lane.band(took).filter(|_| lane.current == current) else { return false };
+        lane.seen[band] += 1;
+        lane.sum[band] = lane.sum[band].wrapping_add(took);
+        if let Some(entered) = entered.get_mut(lane.place_of_side()) {
+            *entered = time;
+        }
+        true
+    }
+}
+
 impl Lanes {
     /// Fetches the lane of a state, so that it is at hand when its turn comes.
     #[inline(always)]
     pub fn fetch(&self, state: usize) {
+        // Beyond the last there are only signals nobody learned: to fetch what is there is no harm.
         prefetch_index(&self.lanes, state);
-        self.layout.fetch_side(state);
     }
 
-    /// Fetches what a state's lane leads on to; the lane is at hand.
+    /// Fetches what stands beside a state's lane, which is at hand; most have nothing there and
+    /// fetch the same.
     #[inline(always)]
-    pub fn fetch_further(&self, state: usize) {
-        if self.lanes.get(state).is_some_and(|lane| lane.has(Traits::STARTING))
-            && let Some(side) = self.layout.side(state)
-        {
-            prefetch_index(&self.lanes, side.group as usize);
+    pub fn fetch_side(&self, state: usize) {
+        if let Some(lane) = self.lanes.get(state) {
+            prefetch_index(&self.sides, lane.place_of_side());
         }
     }
 
-    /// Keeps that a state was entered. `None` for a state nobody learned: nothing waits for it.
-    #[inline]
-    pub fn enter(&mut self, state: StateId, time: Nanoseconds) -> Option<Entered> {
-        let entered = self.place(state)?;
-        let before = self.keep_entry(state, time);
-        Some(Entered { before, ..entered })
+    /// The lane of a state of a boolean, where its events need nothing beside it.
+    #[inline(always)]
+    pub fn plain(&mut self, state: StateId) -> Option<Plain<'_>> {
+        let lane = self.lanes.get_mut(state as usize)?;
+        (!lane.has(Traits::PARTICULAR)).then_some(Plain { lane, entered: &mut self.entered })
     }
 
-    /// Where a state stands; `None` for a state nobody learned.
     #[inline(always)]
-    pub fn place(&self, state: StateId) -> Option<Entered> {
-        let lane = self.lanes[..self.states].get(state as usize)?;
-        Some(Entered {
-            before: NEVER,
-            device: (lane.device >> Traits::BITS) as ChainIndex,
-            starting: lane.has(Traits::STARTING),
-        })
+    fn side(&self, lane: usize) -> Option<&Side> {
+        self.sides.get(self.lanes.get(lane)?.place_of_side())
     }
 
-    /// Keeps when a learned state was entered, where something must know; returns when it was
-    /// before.
+    /// Keeps when a state was entered, and returns when it was before; [`NEVER`] where nothing must
+    /// know.
     #[inline(always)]
-    pub fn keep_entry(&mut self, state: StateId, time: Nanoseconds) -> Nanoseconds {
-        if !self.lanes[state as usize].has(Traits::TRACKED) {
-            return NEVER;
-        }
-        let slot = self.layout.side(state as usize).map_or(NONE, |side| side.slot);
-        let entered = self.entered.get_mut(slot as usize);
+    pub fn enter(&mut self, state: StateId, time: Nanoseconds) -> Nanoseconds {
+        let Some(lane) = self.lanes[..self.states].get(state as usize) else { return NEVER };
+        let entered = self.entered.get_mut(lane.place_of_side());
         entered.map_or(NEVER, |entered| std::mem::replace(entered, time))
     }
 
-    /// When a learned state was entered before, where something must know.
+    /// When a state was entered before, where something must know.
     #[inline(always)]
     pub fn last_entry(&self, state: StateId) -> Nanoseconds {
-        if !self.lanes[state as usize].has(Traits::TRACKED) {
-            return NEVER;
-        }
-        let side = self.layout.side(state as usize);
-        side.and_then(|side| self.entered.get(side.slot as usize)).copied().unwrap_or(NEVER)
+        let lane = self.lanes[..self.states].get(state as usize);
+        let entered = lane.and_then(|lane| self.entered.get(lane.place_of_side()));
+        entered.copied().unwrap_or(NEVER)
     }
 
     /// Sight was lost: as if no state had ever been entered.
@@ -206,15 +222,21 @@ impl Lanes {
     /// The lane where it is not the first of its state, or [`NONE`].
     #[inline(never)]
     fn find_further(&self, kind: ChainKind, current: StateId, first: usize) -> u32 {
-        let Some(side) = self.layout.side(first) else { return NONE };
+        let Some(side) = self.side(first) else { return NONE };
         let mut at = if kind == ChainKind::Device { side.further } else { side.group };
         while let Some(lane) = self.lanes.get(at as usize) {
             if lane.current == current {
                 return at;
             }
-            at = self.layout.side(at as usize).map_or(NONE, |side| side.further);
+            at = self.side(at as usize).map_or(NONE, |side| side.further);
         }
         NONE
+    }
+
+    /// True for a learned state of a starting signal: a step of its group's chain.
+    #[inline(always)]
+    pub fn starts(&self, state: StateId) -> bool {
+        self.lanes[state as usize].has(Traits::STARTING)
     }
 
     /// True where the lane's time runs from another event.
@@ -223,23 +245,28 @@ impl Lanes {
         self.lanes[lane].has(Traits::WAITS)
     }
 
+    /// True where a transition that waits does so for a state.
+    #[inline]
+    pub fn waits_for(&self, usual: Usual, state: StateId) -> bool {
+        let Some(lane) = self.lanes[..self.states].get(state as usize) else { return false };
+        let place = lane.place_of_side() as u32;
+        self.side(usual.lane as usize).is_some_and(|side| side.due.contains(&place))
+    }
+
     /// Since when a lane that waits was due, see [`Trigger::due`].
     #[inline(always)]
     pub fn due(&self, lane: usize, before: Nanoseconds, own: Nanoseconds) -> Option<Nanoseconds> {
-        let [one, other] = self.layout.side(lane)?.due.map(|slot| self.entered.get(slot as usize));
+        let [one, other] = self.side(lane)?.due.map(|place| self.entered.get(place as usize));
         let first = *one?;
         Trigger::due(first, other.copied().unwrap_or(first), before, own)
     }
 
-    /// The lane as it is usually taken; `None` where the time is not accepted.
+    /// The lane as it is usually taken; `None` where the time, not below zero, is not accepted.
     #[inline(always)]
     pub fn usual(&self, lane: usize, took: Nanoseconds) -> Option<Usual> {
         let at = &self.lanes[lane];
-        // Both are looked at, whichever it is: a branch here would be guessed wrong every other time.
-        let first = (took >= at.early[0]) & (took <= at.late[0]);
-        let second = (took >= at.early[1]) & (took <= at.late[1]);
-        if first | second {
-            return Some(Usual { lane: lane as u32, band: u32::from(!first), took });
+        if let Some(band) = at.band(took) {
+            return Some(Usual { lane: lane as u32, band: band as u32, took });
         }
         let band = if at.has(Traits::MORE) { self.further_band(lane, took) } else { NONE };
         (band != NONE).then_some(Usual { lane: lane as u32, band, took })
@@ -248,8 +275,7 @@ impl Lanes {
     /// Numbers go in and out: what went through memory would keep all of a step there.
     #[inline(never)]
     fn further_band(&self, lane: usize, took: Nanoseconds) -> u32 {
-        let bands = &self.more[self.layout.others(lane)];
-        let within = bands.iter().position(|band| took >= band.early && took <= band.late);
+        let within = self.further(lane).iter().position(|band| band.within.holds(took));
         within.map_or(NONE, |within| (INLINE + within) as u32)
     }
 
@@ -269,7 +295,7 @@ impl Lanes {
 
     #[inline(never)]
     fn take_further_band(&mut self, lane: usize, band: usize, took: Nanoseconds) {
-        let first = self.layout.others(lane).start;
+        let first = self.others(lane).start;
         let seen = &mut self.more[first + band - INLINE].seen;
         seen.count += 1;
         seen.sum = seen.sum.wrapping_add(took);
@@ -283,5 +309,17 @@ impl Lanes {
     /// The rule of a lane.
     pub fn rule(&self, lane: usize) -> usize {
         self.layout.rule_of[lane] as usize
+    }
+
+    /// Where the bands of a lane lie that are not in it.
+    fn others(&self, lane: usize) -> Range<usize> {
+        self.side(lane).map_or(0..0, |side| side.more as usize..(side.more + side.bands) as usize)
+    }
+
+    /// The bands of a lane that are not in it.
+    #[inline]
+    fn further(&self, lane: usize) -> &[Band] {
+        let has = self.lanes[lane].has(Traits::MORE);
+        if has { &self.more[self.others(lane)] } else { &[] }
     }
 }

@@ -33,7 +33,7 @@ use super::states::NO_STATE;
 use super::teller::Teller;
 
 use step::Entry;
-use watch::{NOWHERE, Watch};
+use watch::Watch;
 
 /// Values of words nobody learned that are kept apart by number; beyond, they share the last.
 const FURTHER_STATES_AT_MOST: usize = 10_000;
@@ -135,9 +135,10 @@ impl Monitor {
     /// A row older than one already watched; nothing of the batch is taken then.
     pub fn take_rows(&mut self, rows: &[Row]) -> Result<(), MonitorError> {
         self.check_order(rows)?;
+        let mut fetched = 0;
         let mut taken = 0;
         while taken < rows.len() {
-            taken += self.take_usual_rows(&rows[taken..]);
+            taken = self.take_usual_rows(rows, taken, &mut fetched);
             if taken < rows.len() {
                 taken += self.take_next(&rows[taken..]);
             }
@@ -224,14 +225,16 @@ impl Monitor {
         self.complete_scan();
         let watch = &mut self.watch;
         watch.now = watch.now.max(end);
-        watch.here.fill(NOWHERE);
-        watch.off_path.fill(false);
+        for here in &mut watch.here {
+            here.forget();
+            here.return_to_path();
+        }
         watch.open.clear();
-        watch.group_last.fill(Nanoseconds::MAX);
-        for (stalled, last) in watch.group_stalled.iter_mut().zip(&mut watch.group_last_state) {
+        for (stalled, clock) in watch.group_stalled.iter_mut().zip(&mut watch.clocks) {
+            clock.runs = false;
             // A stop that has been told is not told again after the gap.
             if stalled.take().is_some() {
-                *last = NO_STATE;
+                clock.state = NO_STATE;
             }
         }
         watch.next_deadline = Nanoseconds::MAX;
@@ -257,14 +260,23 @@ impl Monitor {
 
     fn check_order(&self, rows: &[Row]) -> Result<(), MonitorError> {
         let mut newest = self.watch.now;
-        for (index, row) in rows.iter().enumerate() {
-            if row.time < newest {
-                let late_s = newest.saturating_sub(row.time) as f64 / SECOND as f64;
-                return Err(MonitorError::Order { row: index + 1, late_s: format!("{late_s:.3}") });
-            }
+        let mut ordered = true;
+        for row in rows {
+            ordered &= row.time >= newest;
             newest = row.time;
         }
-        Ok(())
+        if ordered { Ok(()) } else { Err(self.disorder(rows)) }
+    }
+
+    #[cold]
+    fn disorder(&self, rows: &[Row]) -> MonitorError {
+        let before = std::iter::once(self.watch.now).chain(rows.iter().map(|row| row.time));
+        let mut late =
+            rows.iter().zip(before).zip(1..).filter(|((row, newest), _)| row.time < *newest);
+        let (row, late) = late
+            .next()
+            .map_or((0, 0), |((row, newest), number)| (number, newest.saturating_sub(row.time)));
+        MonitorError::Order { row, late_s: format!("{:.3}", late as f64 / SECOND as f64) }
     }
 
     /// Knows the names of states, also of those first met while watching.

@@ -6,7 +6,7 @@ use crate::log::Nanoseconds;
 use crate::signal_state::states::StateId;
 
 use super::layout::Checked;
-use super::{Band, INLINE, Lanes, NEVER, Traits};
+use super::{INLINE, Lanes, NEVER, Traits};
 
 /// What was seen of one cluster of a rule since the last check.
 #[derive(Debug, Clone, Copy, Default)]
@@ -50,14 +50,7 @@ impl Lanes {
             .chain(self.further(at).iter().map(|band| band.seen))
     }
 
-    /// The bands of a lane that are not in it.
-    #[inline]
-    fn further(&self, lane: usize) -> &[Band] {
-        let has = self.lanes[lane].has(Traits::MORE);
-        if has { &self.more[self.layout.others(lane)] } else { &[] }
-    }
-
-    /// The rules of a group, causes first.
+    /// The rules of a group, in the model's order.
     pub fn checked(&self, group: usize) -> &[Checked] {
         self.layout.checked.get(group).map_or(&[], Vec::as_slice)
     }
@@ -73,7 +66,8 @@ impl Lanes {
                 (lane.seen, lane.sum) = ([0; INLINE], [0; INLINE]);
             }
             if lane.has(Traits::MORE) {
-                for band in &mut self.more[layout.others(at as usize)] {
+                let others = self.others(at as usize);
+                for band in &mut self.more[others] {
                     band.seen = Seen::default();
                 }
             }
@@ -86,7 +80,8 @@ impl Lanes {
     /// All counters and times, to be saved.
     pub fn counters(&self) -> Counters {
         let rules = 0..self.layout.lane_of.len();
-        let entered = self.layout.tracked.iter().copied().zip(self.entered.iter().copied());
+        let entered = self.entered.iter().copied().skip(1);
+        let entered = self.layout.tracked.iter().copied().zip(entered);
         Counters {
             lanes: rules.clone().map(|rule| self.count(rule)).collect(),
             bands: rules.flat_map(|rule| self.seen(rule)).map(|s| (s.count, s.sum)).collect(),
@@ -102,6 +97,7 @@ impl Lanes {
         }
         let mut saved = counters.bands.iter();
         for (&at, &count) in layout.lane_of.iter().zip(&counters.lanes) {
+            let others = self.others(at as usize);
             let lane = &mut self.lanes[at as usize];
             let bands = usize::from(layout.bands[at as usize]).min(INLINE);
             let mut timed = 0u32;
@@ -110,7 +106,7 @@ impl Lanes {
                 (lane.seen[band], lane.sum[band]) = (count, sum);
                 timed = timed.saturating_add(count);
             }
-            for band in &mut self.more[layout.others(at as usize)] {
+            for band in &mut self.more[others] {
                 let Some(&(count, sum)) = saved.next() else { return false };
                 band.seen = Seen { count, sum };
                 timed = timed.saturating_add(count);
@@ -123,9 +119,9 @@ impl Lanes {
             }
         }
         for &(state, entered) in &counters.entered {
-            match layout.tracked.binary_search(&state) {
-                Ok(slot) => self.entered[slot] = entered,
-                Err(_) => return false,
+            match layout.place(state) {
+                Some(place) => self.entered[place] = entered,
+                None => return false,
             }
         }
         saved.next().is_none()

@@ -1,7 +1,6 @@
 //! Laying the rules of a model out in lanes.
 
 use std::collections::BTreeMap;
-use std::ops::Range;
 use std::sync::Arc;
 
 use crate::log::{Nanoseconds, SECOND};
@@ -14,7 +13,8 @@ use crate::timing::TimeCluster;
 use crate::timing::limits::Accepted;
 
 use super::counted::Seen;
-use super::sides::{PLAIN, Side, Sides};
+use super::sides::{Side, Sides};
+use super::within::Within;
 use super::{Band, INLINE, Lane, Lanes, NEVER, NONE, NOWHERE, Traits, UNUSED};
 
 /// What does not change while watching.
@@ -24,12 +24,12 @@ pub(super) struct Layout {
     pub(super) lane_of: Vec<u32>,
     /// By lane.
     pub(super) rule_of: Vec<u32>,
-    sides: Sides,
     /// By lane: number of its bands.
     pub(super) bands: Vec<u16>,
-    /// By slot: the state whose entry is kept there, ascending.
+    /// States of which something must know when they were entered, ascending: theirs are the first
+    /// sides with something on them.
     pub(super) tracked: Vec<StateId>,
-    /// Per group: its rules in the order of the complete transition sequence.
+    /// Per group: its rules, in the model's order.
     pub(super) checked: Vec<Vec<Checked>>,
 }
 
@@ -51,25 +51,9 @@ impl Checked {
 }
 
 impl Layout {
-    #[inline(always)]
-    pub(super) fn side(&self, lane: usize) -> Option<&Side> {
-        self.sides.get(lane)
-    }
-
-    /// Fetches the side of a lane, should it have one.
-    #[inline(always)]
-    pub(super) fn fetch_side(&self, lane: usize) {
-        self.sides.fetch(lane);
-    }
-
-    /// Where the bands of a lane lie that are not in it.
-    pub(super) fn others(&self, lane: usize) -> Range<usize> {
-        self.side(lane).map_or(0..0, |side| side.more as usize..(side.more + side.bands) as usize)
-    }
-
-    /// The slot of a state that is tracked.
-    fn slot(&self, state: StateId) -> u32 {
-        self.tracked.binary_search(&state).map_or(NONE, |slot| slot as u32)
+    /// The place of the side of a state that is tracked.
+    pub(super) fn place(&self, state: StateId) -> Option<usize> {
+        self.tracked.binary_search(&state).ok().map(|number| number + 1)
     }
 }
 
@@ -80,18 +64,15 @@ impl Lanes {
         let mut layout = Layout {
             lane_of: vec![NONE; model.rules.len()],
             rule_of: Vec::new(),
-            sides: Sides::default(),
             bands: Vec::new(),
             tracked: tracked(model),
             checked: checked(model),
         };
-        let mut sides: Vec<Option<Side>> = vec![None; states];
+        let mut sides = Sides::new();
         let mut lanes = first_lanes(model);
         lanes.reserve_exact(further_lanes(model));
-        for slot in 0..layout.tracked.len() {
-            let state = layout.tracked[slot] as usize;
-            side_of(&mut sides, state).slot = slot as u32;
-            lanes[state].device |= Traits::TRACKED;
+        for &state in &layout.tracked {
+            side_of(&mut sides, &mut lanes[state as usize]);
         }
         let mut more = Vec::new();
         let mut bands = Vec::new();
@@ -106,42 +87,41 @@ impl Lanes {
                 let new = lanes.len();
                 match last {
                     Some((state, of, before)) if state == rule.next && of == kind => {
-                        side_of(&mut sides, before).further = new as u32;
+                        side_of(&mut sides, &mut lanes[before]).further = new as u32;
                     }
-                    _ => side_of(&mut sides, first).group = new as u32,
+                    _ => side_of(&mut sides, &mut lanes[first]).group = new as u32,
                 }
                 lanes.push(UNUSED);
                 new
             };
             last = Some((rule.next, kind, at));
             layout.lane_of[index as usize] = at as u32;
-            bands.clear();
-            cut_bands(model, rule, &model.accepted(index as usize), &mut bands);
+            cut(model, rule, &model.accepted(index as usize), &mut bands);
             let lane = &mut lanes[at];
             lane.current = rule.current;
-            for (place, band) in bands.iter().take(INLINE).enumerate() {
-                (lane.early[place], lane.late[place]) = (band.early, band.late);
+            for (within, band) in lane.within.iter_mut().zip(&bands) {
+                *within = Band::from(band).within;
             }
             if let Some(others) = bands.get(INLINE..).filter(|others| !others.is_empty()) {
-                lane.device |= Traits::MORE;
-                let side = side_of(&mut sides, at);
+                let side = side_of(&mut sides, lane);
                 (side.more, side.bands) = (more.len() as u32, others.len() as u32);
-                more.extend_from_slice(others);
+                more.extend(others.iter().map(Band::from));
+                lane.side |= Traits::MORE;
             }
             if let Some(trigger) = &rule.trigger {
-                lane.device |= Traits::WAITS;
-                let due = trigger.states.map(|state| layout.slot(state));
-                side_of(&mut sides, at).due = due;
+                let place = |state| layout.place(state).map_or(NONE, |place| place as u32);
+                side_of(&mut sides, lane).due = trigger.states.map(place);
+                lane.side |= Traits::WAITS;
             }
         }
-        layout.sides = Sides::of(&sides);
         layout.finish(lanes.len(), model);
         more.shrink_to_fit();
         Self {
             lanes,
             states,
+            sides: sides.0.into(),
             more,
-            entered: vec![NEVER; layout.tracked.len()],
+            entered: vec![NEVER; layout.tracked.len() + 1],
             untimed: BTreeMap::new(),
             layout: Arc::new(layout),
         }
@@ -159,21 +139,20 @@ impl Layout {
     }
 }
 
-/// The side of a lane, made where it has none.
-fn side_of(sides: &mut Vec<Option<Side>>, lane: usize) -> &mut Side {
-    if sides.len() <= lane {
-        sides.resize(lane + 1, None);
+/// The side of a lane, made where it has none of its own.
+fn side_of<'a>(sides: &'a mut Sides, lane: &mut Lane) -> &'a mut Side {
+    if lane.place_of_side() == 0 {
+        lane.side |= sides.add() << Traits::BITS;
     }
-    sides[lane].get_or_insert(PLAIN)
+    &mut sides.0[lane.place_of_side()]
 }
 
 /// One lane per state, before any rule has it.
 fn first_lanes(model: &NominalModel) -> Vec<Lane> {
     let lane = |state| {
         let signal = model.states.signal_value(state).0;
-        let device = (model.chains.device_chain(signal) as u32) << Traits::BITS;
         let starting = model.chains.group_chain(signal).is_some();
-        Lane { device: device | if starting { Traits::STARTING } else { 0 }, ..UNUSED }
+        Lane { side: if starting { Traits::STARTING } else { 0 }, ..UNUSED }
     };
     (0..model.states.len() as StateId).map(lane).collect()
 }
@@ -213,7 +192,7 @@ fn tracked(model: &NominalModel) -> Vec<StateId> {
     tracked
 }
 
-/// The rules of each group in the order of the complete transition sequence.
+/// The rules of each group.
 fn checked(model: &NominalModel) -> Vec<Vec<Checked>> {
     let mut groups: Vec<Vec<Checked>> = vec![Vec::new(); model.plant.groups.len()];
     for (index, rule) in model.rules.iter().enumerate() {
@@ -222,23 +201,20 @@ fn checked(model: &NominalModel) -> Vec<Vec<Checked>> {
         groups[model.chains.group_of(rule.chain)]
             .push(Checked(2 * index as u32 + u32::from(row.len() > 1 && first == Some(index))));
     }
-    for group in &mut groups {
-        group.sort_by_key(|checked| model.rules[checked.rule()].sequence);
-        group.shrink_to_fit();
-    }
+    groups.iter_mut().for_each(Vec::shrink_to_fit);
     groups
 }
 
-/// The accepted times of a rule's clusters as bands that do not overlap.
-fn cut_bands(model: &NominalModel, rule: &Rule, accepted: &[Accepted], into: &mut Vec<Band>) {
+/// The accepted times of a rule's clusters, cut so that they do not overlap.
+fn cut(model: &NominalModel, rule: &Rule, accepted: &[Accepted], into: &mut Vec<Cut>) {
     let clusters = rule.judged();
-    for i in 0..clusters.len() {
-        let (early, late) = match accepted.get(i) {
-            Some(accepted) => (nanoseconds(accepted.early_s), nanoseconds(accepted.late_s)),
-            None => (0, Nanoseconds::MAX),
-        };
-        into.push(Band { early, late, seen: Seen::default() });
-    }
+    into.clear();
+    into.extend((0..clusters.len()).map(|i| match accepted.get(i) {
+        Some(accepted) => {
+            Cut { early: nanoseconds(accepted.early_s), late: nanoseconds(accepted.late_s) }
+        }
+        None => Cut { early: 0, late: Nanoseconds::MAX },
+    }));
     let cut = into.as_mut_slice();
     for i in 1..cut.len() {
         let middle = |centre: fn(&TimeCluster) -> f64| {
@@ -262,6 +238,18 @@ fn cut_bands(model: &NominalModel, rule: &Rule, accepted: &[Accepted], into: &mu
         && first.early <= 0
     {
         first.early = Nanoseconds::MIN;
+    }
+}
+
+/// The accepted times of one cluster.
+struct Cut {
+    early: Nanoseconds,
+    late: Nanoseconds,
+}
+
+impl From<&Cut> for Band {
+    fn from(cut: &Cut) -> Self {
+        Self { within: Within::new(cut.early, cut.late), seen: Seen::default() }
     }
 }
 

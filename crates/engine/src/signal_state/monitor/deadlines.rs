@@ -10,9 +10,10 @@ impl Monitor {
     /// that stopped unseen would otherwise never be told.
     pub(super) fn resume_clocks(&mut self, time: Nanoseconds) {
         let watch = &mut self.watch;
-        for (group, last) in watch.group_last.iter_mut().enumerate() {
-            if *last == Nanoseconds::MAX && watch.group_last_state[group] != NO_STATE {
-                *last = time;
+        for (group, clock) in watch.clocks.iter_mut().enumerate() {
+            let stalled = watch.group_stalled[group].is_some();
+            if !clock.runs && !stalled && clock.state != NO_STATE {
+                (clock.last, clock.runs) = (time, true);
                 let deadline = time.saturating_add(self.stall_after[group]);
                 watch.next_deadline = watch.next_deadline.min(deadline);
             }
@@ -26,10 +27,10 @@ impl Monitor {
         }
         loop {
             let path = self.watch.open.iter().map(|open| open.deadline).min();
-            let stall = (0..self.stall_after.len())
-                .filter(|&g| self.watch.group_last[g] != Nanoseconds::MAX)
-                .filter(|&g| self.watch.group_stalled[g].is_none())
-                .map(|g| (self.watch.group_last[g].saturating_add(self.stall_after[g]), g))
+            let clocks = self.watch.clocks.iter().zip(&self.stall_after).enumerate();
+            let stall = clocks
+                .filter(|(_, (clock, _))| clock.runs)
+                .map(|(group, (clock, after))| (clock.last.saturating_add(*after), group))
                 .min();
             match (path, stall) {
                 (Some(due), later) if due <= now && later.is_none_or(|(t, _)| due <= t) => {

@@ -12,7 +12,7 @@ impl Monitor {
     /// A known transition while off the path: perhaps the device is back.
     pub(super) fn known_step(&mut self, chain: ChainIndex, state: StateId, time: Nanoseconds) {
         let Some(index) = self.watch.open.iter().position(|open| open.chain == chain) else {
-            self.watch.off_path[chain] = false;
+            self.watch.here[chain].return_to_path();
             return;
         };
         let open = &mut self.watch.open[index];
@@ -24,7 +24,7 @@ impl Monitor {
             return;
         }
         let open = self.watch.open.remove(index);
-        self.watch.off_path[chain] = false;
+        self.watch.here[chain].return_to_path();
         // The known steps are no part of the alarm path.
         let path = &open.path[..open.path.len() - usize::from(open.known) + 1];
         let names: Vec<String> = path.iter().map(|&s| self.teller().state_name(s)).collect();
@@ -74,7 +74,7 @@ impl Monitor {
             return;
         };
         let open = self.watch.open.remove(index);
-        self.watch.off_path[open.chain] = false;
+        self.watch.here[open.chain].return_to_path();
         let mut finding = open.finding;
         finding.state = State::Confirmed;
         finding.time = due;

@@ -16,7 +16,7 @@ use crate::signal_state::states::NO_STATE;
 use crate::signal_state::{check, message};
 
 use super::step::{Entry, Waiting};
-use super::watch::{Here, OpenPath};
+use super::watch::{Clock, Here, OpenPath};
 use super::{Monitor, SNAPSHOTS_AT_MOST};
 
 impl Monitor {
@@ -49,7 +49,7 @@ impl Monitor {
         &mut self,
         chain: ChainIndex,
         kind: ChainKind,
-        Here { state: from, since }: Here,
+        Here { state: from, since, .. }: Here,
         Entry { state: to, time, .. }: Entry,
     ) {
         let model = Arc::clone(&self.model);
@@ -78,7 +78,7 @@ impl Monitor {
         );
         let deadline = time.saturating_add(self.fresh_for);
         let placed = self.place(finding, chain, Waiting { since, inherits: false });
-        self.watch.off_path[chain] = true;
+        self.watch.here[chain].leave_path();
         self.watch.next_deadline = self.watch.next_deadline.min(deadline);
         self.watch.open.push(OpenPath {
             chain,
@@ -101,10 +101,9 @@ impl Monitor {
 
     pub(super) fn report_stall(&mut self, group: usize, due: Nanoseconds) {
         let model = Arc::clone(&self.model);
-        let last = self.watch.group_last_state[group];
+        let Clock { last: since, state: last, .. } = self.watch.clocks[group];
         let signal = self.teller().signal_value(last).0;
         let device = model.chains.device_chain(signal);
-        let since = self.watch.group_last[group];
         let mut finding = self.teller().at(Kind::Stall, device, last, due);
         finding.model = Model::Group;
         finding.severity = Severity::Fault;
@@ -119,6 +118,7 @@ impl Monitor {
         finding.message = message::stall(&finding);
         let waiting = Waiting { since, inherits: false };
         let placed = self.place(finding, device, waiting);
+        self.watch.clocks[group].runs = false;
         self.watch.group_stalled[group] = Some(placed);
     }
 

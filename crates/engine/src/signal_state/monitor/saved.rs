@@ -21,7 +21,7 @@ struct Saved {
     counters: Counters,
 }
 
-const STATE_VERSION: u32 = 4;
+const STATE_VERSION: u32 = 5;
 
 impl Monitor {
     /// Everything needed to go on later, compactly.

@@ -3,12 +3,11 @@
 use crate::log::{Nanoseconds, SignalIndex};
 use crate::signal_state::chains::{ChainIndex, ChainKind};
 use crate::signal_state::events::{Meaning, Row, is_image};
-use crate::signal_state::lanes::NEVER;
 use crate::signal_state::rules::row_of;
 use crate::signal_state::states::{NO_STATE, StateId};
 
 use super::step::Entry;
-use super::watch::NOWHERE;
+use super::watch::Clock;
 use super::{FURTHER_STATES_AT_MOST, Monitor, REORDER_AT_MOST};
 
 impl Monitor {
@@ -134,7 +133,7 @@ impl Monitor {
     pub(super) fn lose_sight(&mut self, signal: SignalIndex) {
         let device = self.model.chains.device_chain(signal);
         for chain in [Some(device), self.model.chains.group_chain(signal)].into_iter().flatten() {
-            self.watch.here[chain] = NOWHERE;
+            self.watch.here[chain].forget();
         }
     }
 
@@ -260,18 +259,12 @@ impl Monitor {
     #[inline]
     pub(super) fn enter(&mut self, row: Row) -> (Entry, ChainIndex, Option<ChainIndex>) {
         let state = self.intern(row.signal, row.value);
+        let before = self.lanes.enter(state, row.time);
         let chains = &self.model.chains;
-        let (before, device, starting) = match self.lanes.enter(state, row.time) {
-            Some(entered) => (entered.before, entered.device, entered.starting),
-            None => {
-                let starting = chains.group_chain(row.signal).is_some();
-                (NEVER, chains.device_chain(row.signal), starting)
-            }
-        };
+        let device = chains.device_chain(row.signal);
         let group = chains.group_of(device);
-        let group_chain = starting.then(|| chains.chain_of_group(group));
-        self.watch.group_last[group] = row.time;
-        self.watch.group_last_state[group] = state;
+        let group_chain = chains.group_chain(row.signal);
+        self.watch.clocks[group] = Clock { last: row.time, state, runs: true };
         let deadline = row.time.saturating_add(self.stall_after[group]);
         if deadline < self.watch.next_deadline {
             self.watch.next_deadline = deadline;

@@ -6,7 +6,6 @@ use crate::signal_state::found::{self, Timed};
 use crate::signal_state::states::{NO_STATE, StateId};
 
 use super::Monitor;
-use super::watch::Here;
 
 /// A state is entered.
 #[derive(Debug, Clone, Copy)]
@@ -29,7 +28,8 @@ impl Monitor {
     #[inline]
     pub(super) fn step(&mut self, chain: ChainIndex, kind: ChainKind, event: Entry) {
         let here = &mut self.watch.here[chain];
-        let from = std::mem::replace(here, Here { state: event.state, since: event.time });
+        let from = *here;
+        here.enter(event.state, event.time);
         if from.state == NO_STATE {
             return;
         }
@@ -44,11 +44,11 @@ impl Monitor {
                 if !in_time {
                     self.report_time(self.lanes.rule(lane), event.time, timed);
                 }
-                if self.watch.off_path[chain] {
+                if from.off_path() {
                     self.known_step(chain, event.state, event.time);
                 }
             }
-            None if self.watch.off_path[chain] => self.unknown_step(chain, event.state),
+            None if from.off_path() => self.unknown_step(chain, event.state),
             None => self.report_unknown(chain, kind, from, event),
         }
         if kind == ChainKind::Group {

@@ -12,64 +12,104 @@ use crate::signal_state::states::StateId;
 use super::Monitor;
 use super::watch::Here;
 
-/// Rows whose lanes are fetched ahead of their turn. The memory behind a big plant's lanes is the
-/// cost of watching it, unless it is asked for in time.
-const ROWS_AHEAD: usize = 24;
-/// Rows before their turn whose lanes are looked at for what they lead on to.
-const ROWS_AHEAD_FURTHER: usize = 10;
+/// Rows whose lanes are fetched together, two such blocks ahead of their turn, and what stands
+/// beside the lanes one block ahead. The memory behind a big plant's lanes is the cost of watching
+/// it, unless it is asked for in time.
+const BLOCK: usize = 8;
 
 /// What one usual row comes to.
 #[derive(Clone, Copy)]
 struct Step {
     state: StateId,
     device: ChainIndex,
+    clock: u32,
     of_device: Usual,
-    /// The group's chain moves too.
-    starting: bool,
-    group_chain: ChainIndex,
-    of_group: Usual,
+    /// Where the group's chain moves too.
+    of_group: Option<(ChainIndex, Usual)>,
     waits: bool,
 }
 
 impl Monitor {
-    /// Takes rows from the first on, as long as all is usual; returns how many.
-    pub(super) fn take_usual_rows(&mut self, rows: &[Row]) -> usize {
+    /// Takes rows from one on, as long as all is usual; returns the place of the first not taken.
+    /// `fetched` counts the rows before whose turn all has been fetched.
+    pub(super) fn take_usual_rows(
+        &mut self,
+        rows: &[Row],
+        from: usize,
+        fetched: &mut usize,
+    ) -> usize {
         if !self.watch.pending.is_empty() || !self.watch.started || self.watch.resynchronise {
-            return 0;
+            return from;
         }
-        let scan = self.model.learned.scan_window.max(1);
-        for row in rows.iter().take(ROWS_AHEAD) {
-            self.lanes.fetch(boolean_state(row));
-        }
-        let mut at = 0;
+        let scan = self.model.learned.scan_window.max(1) as u64;
+        let over = |first: &Row, after: &Row| after.time.wrapping_sub(first.time) as u64 >= scan;
+        let mut at = from;
         // The end of a scan shows in the row after it.
         while let Some([row, next]) = rows.get(at..at + 2) {
-            self.fetch(rows, at);
-            if next.time.saturating_sub(row.time) >= scan {
-                let Some(step) = self.usual_step(*row) else { break };
-                self.take_step(*row, step);
-                at += 1;
-            } else {
-                let over = rows.get(at + 2).map(|after| after.time.saturating_sub(row.time));
-                if over.is_none_or(|over| over < scan) || !self.take_pair(*row, *next) {
+            if at >= *fetched {
+                self.fetch_block(rows, at);
+                *fetched = at + BLOCK;
+            }
+            if over(row, next) {
+                if !self.take_plain(*row) && !self.take_particular(*row) {
                     break;
                 }
-                self.fetch(rows, at + 1);
+                at += 1;
+            } else {
+                let pair = rows.get(at + 2).is_some_and(|after| over(row, after));
+                if !pair || !self.take_pair(*row, *next) {
+                    break;
+                }
                 at += 2;
             }
+        }
+        if let Some(last) = rows[from..at].last() {
+            self.watch.now = last.time;
         }
         at
     }
 
-    /// Fetches what the rows will need that come some time after one.
+    /// Fetches what the rows of the blocks after this one will need: the first blocks of all, which
+    /// nothing was fetched for, are few.
     #[inline(always)]
-    fn fetch(&self, rows: &[Row], at: usize) {
-        if let Some(row) = rows.get(at + ROWS_AHEAD) {
-            self.lanes.fetch(boolean_state(row));
+    fn fetch_block(&self, rows: &[Row], from: usize) {
+        let Some(rows) = rows.get(from..from + 3 * BLOCK) else { return };
+        for (near, far) in rows[BLOCK..2 * BLOCK].iter().zip(&rows[2 * BLOCK..]) {
+            self.lanes.fetch(boolean_state(far));
+            self.lanes.fetch_side(boolean_state(near));
         }
-        if let Some(row) = rows.get(at + ROWS_AHEAD_FURTHER) {
-            self.lanes.fetch_further(boolean_state(row));
+    }
+
+    /// Takes a row that is a scan of its own and needs no more than the lane of its state; false,
+    /// and nothing taken, where it needs more.
+    #[inline(always)]
+    fn take_plain(&mut self, row: Row) -> bool {
+        let Self { model, lanes, watch, .. } = self;
+        if row.time >= watch.next_deadline {
+            return false;
         }
+        let Some(change) = watch.values.change(row.signal, row.value) else { return false };
+        let state = 2 * row.signal + row.value as u32;
+        let Some(lane) = lanes.plain(state) else { return false };
+        let here = &mut watch.here[model.chains.device_chain(row.signal)];
+        let Some(clock) = watch.clocks.get_mut(here.clock as usize) else { return false };
+        let took = row.time.wrapping_sub(here.since);
+        // A time below zero is longer than can be told, or of a scan whose order was mended.
+        if !clock.runs || took < 0 || !lane.take(here.state, row.time, took) {
+            return false;
+        }
+        here.enter(state, row.time);
+        (clock.last, clock.state) = (row.time, state);
+        change.take();
+        true
+    }
+
+    /// Takes any other usual row that is a scan of its own; false, and nothing taken, where it is not.
+    #[inline(never)]
+    fn take_particular(&mut self, row: Row) -> bool {
+        let Some(step) = self.usual_step(row) else { return false };
+        self.take_step(row, step);
+        true
     }
 
     /// Two rows of one scan, of two devices that have nothing to do with one another; false, and
@@ -79,8 +119,12 @@ impl Monitor {
         let (Some(one), Some(other)) = (self.usual_step(row), self.usual_step(next)) else {
             return false;
         };
-        let together = one.device == other.device || one.starting && other.starting;
-        if together || one.waits || other.waits {
+        let together =
+            one.device == other.device || one.of_group.is_some() && other.of_group.is_some();
+        let hangs = |one: &Step, other: &Step| {
+            one.waits && self.lanes.waits_for(one.of_device, other.state)
+        };
+        if together || hangs(&one, &other) || hangs(&other, &one) {
             return false;
         }
         // Their group remembers the last.
@@ -89,78 +133,65 @@ impl Monitor {
         for (row, step) in steps {
             self.take_step(row, step);
         }
-        self.watch.now = next.time;
         true
     }
 
     /// What a row comes to that is a scan of its own; `None` where anything about it is not usual.
     #[inline(always)]
-    fn usual_step(&self, row: Row) -> Option<Step> {
-        let watch = &self.watch;
-        if row.time >= watch.next_deadline || !watch.values.flips(row.signal, row.value) {
+    fn usual_step(&mut self, row: Row) -> Option<Step> {
+        let watch = &mut self.watch;
+        if row.time >= watch.next_deadline {
             return None;
         }
+        watch.values.change(row.signal, row.value)?;
         let state = 2 * row.signal + row.value as u32;
-        let place = self.lanes.place(state)?;
-        let (lane, since) = self.known(place.device, ChainKind::Device, state)?;
+        let device = self.model.chains.device_chain(row.signal);
+        let here = self.watch.here[device];
+        let (lane, since) = self.known(here, ChainKind::Device, state)?;
         let waits = self.lanes.waits(lane);
         let since =
             if waits { self.lanes.due(lane, self.lanes.last_entry(state), since)? } else { since };
         let of_device = self.lanes.usual(lane, Timed::new(since, row.time, true).took)?;
-        let group = self.model.chains.group_of(place.device);
-        if watch.group_stalled[group].is_some() {
-            return None;
-        }
-        let (group_chain, of_group) = if place.starting {
+        let of_group = if self.lanes.starts(state) {
+            let group = here.clock as usize;
             // The return to the first state closes a cycle.
             if state == self.model.learned.group_start[group] {
                 return None;
             }
             let chain = self.model.chains.chain_of_group(group);
-            let (lane, since) = self.known(chain, ChainKind::Group, state)?;
+            let (lane, since) = self.known(self.watch.here[chain], ChainKind::Group, state)?;
             let took = Timed::new(since, row.time, true).took;
-            (chain, self.lanes.usual(lane, took)?)
+            Some((chain, self.lanes.usual(lane, took)?))
         } else {
-            (place.device, of_device)
+            None
         };
-        let (device, starting) = (place.device, place.starting);
-        Some(Step { state, device, of_device, starting, group_chain, of_group, waits })
+        Some(Step { state, device, clock: here.clock, of_device, of_group, waits })
     }
 
     /// The lane of a chain's known transition to a state, and since when the chain stood where it
-    /// stands; `None` off the path.
+    /// stands; `None` off the path, and where its group's clock does not run.
     #[inline(always)]
-    fn known(
-        &self,
-        chain: ChainIndex,
-        kind: ChainKind,
-        state: StateId,
-    ) -> Option<(usize, Nanoseconds)> {
-        if self.watch.off_path[chain] {
-            return None;
-        }
-        let Here { state: from, since } = self.watch.here[chain];
-        Some((self.lanes.find(kind, from, state)?, since))
+    fn known(&self, here: Here, kind: ChainKind, state: StateId) -> Option<(usize, Nanoseconds)> {
+        self.watch.clocks.get(here.clock as usize).filter(|clock| clock.runs)?;
+        Some((self.lanes.find(kind, here.state, state)?, here.since))
     }
 
     #[inline(always)]
     fn take_step(&mut self, row: Row, step: Step) {
         self.lanes.take(step.of_device);
-        self.lanes.keep_entry(step.state, row.time);
+        self.lanes.enter(step.state, row.time);
         let watch = &mut self.watch;
-        watch.now = row.time;
-        watch.values.flip(row.signal);
-        let here = Here { state: step.state, since: row.time };
-        watch.here[step.device] = here;
-        if step.starting {
-            self.lanes.take(step.of_group);
-            watch.here[step.group_chain] = here;
+        if let Some(change) = watch.values.change(row.signal, row.value) {
+            change.take();
         }
-        let group = self.model.chains.group_of(step.device);
-        watch.group_last[group] = row.time;
-        watch.group_last_state[group] = step.state;
-        let deadline = row.time.saturating_add(self.stall_after[group]);
-        watch.next_deadline = watch.next_deadline.min(deadline);
+        watch.here[step.device].enter(step.state, row.time);
+        if let Some((chain, of_group)) = step.of_group {
+            self.lanes.take(of_group);
+            watch.here[chain].enter(step.state, row.time);
+        }
+        // Its clock runs already, and what it is to stall by is not earlier than it was.
+        let clock = &mut watch.clocks[step.clock as usize];
+        (clock.last, clock.state) = (row.time, step.state);
     }
 }
 

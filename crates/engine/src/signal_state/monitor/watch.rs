@@ -24,11 +24,55 @@ pub(super) struct OpenPath {
 /// Where a chain stands.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub(super) struct Here {
-    pub(super) state: StateId,
     pub(super) since: Nanoseconds,
+    pub(super) state: StateId,
+    /// The clock of its group; none there is while it is off its path, where nothing is usual.
+    pub(super) clock: u32,
 }
 
-pub(super) const NOWHERE: Here = Here { state: NO_STATE, since: 0 };
+const OFF_PATH: u32 = 1 << 31;
+
+impl Here {
+    /// Nowhere yet.
+    fn of(group: usize) -> Self {
+        Self { since: 0, state: NO_STATE, clock: group as u32 }
+    }
+
+    pub(super) fn off_path(&self) -> bool {
+        self.clock & OFF_PATH != 0
+    }
+
+    pub(super) fn leave_path(&mut self) {
+        self.clock |= OFF_PATH;
+    }
+
+    pub(super) fn return_to_path(&mut self) {
+        self.clock &= !OFF_PATH;
+    }
+
+    #[inline(always)]
+    pub(super) fn enter(&mut self, state: StateId, time: Nanoseconds) {
+        (self.state, self.since) = (state, time);
+    }
+
+    /// Its state is not known any more.
+    pub(super) fn forget(&mut self) {
+        self.enter(NO_STATE, 0);
+    }
+}
+
+/// The latest event of a group.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+pub(super) struct Clock {
+    pub(super) last: Nanoseconds,
+    pub(super) state: StateId,
+    /// The group has moved since the start or a gap, and no stop of it has been told: its time to
+    /// stall is among the deadlines.
+    pub(super) runs: bool,
+}
+
+/// The clock of a group that has not moved.
+pub(super) const NEVER_MOVED: Clock = Clock { last: 0, state: NO_STATE, runs: false };
 
 /// Everything that changes while watching, but for the counters in the lanes.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -36,14 +80,13 @@ pub(super) struct Watch {
     pub(super) values: Values,
     /// Per chain.
     pub(super) here: Vec<Here>,
-    pub(super) off_path: Vec<bool>,
     pub(super) group_cycles: Vec<u64>,
-    /// Per group: time and state of its latest event of any signal.
-    pub(super) group_last: Vec<Nanoseconds>,
-    pub(super) group_last_state: Vec<StateId>,
+    /// Per group.
+    pub(super) clocks: Vec<Clock>,
     pub(super) group_stalled: Vec<Option<Finding>>,
     pub(super) incidents: Vec<Option<Incident>>,
     pub(super) open: Vec<OpenPath>,
+    /// Not later than any of [`Self::open`], nor than any running clock's time to stall.
     pub(super) next_deadline: Nanoseconds,
     /// Rows of the scan that is not complete yet.
     pub(super) pending: Vec<Row>,
@@ -67,11 +110,9 @@ impl Watch {
         let groups = model.plant.groups.len();
         Self {
             values: Values::new(model.plant.signals.len()),
-            here: vec![NOWHERE; chains],
-            off_path: vec![false; chains],
+            here: (0..chains).map(|chain| Here::of(model.chains.group_of(chain))).collect(),
             group_cycles: vec![0; groups],
-            group_last: vec![Nanoseconds::MAX; groups],
-            group_last_state: vec![NO_STATE; groups],
+            clocks: vec![NEVER_MOVED; groups],
             group_stalled: vec![None; groups],
             incidents: vec![None; groups],
             open: Vec::new(),
