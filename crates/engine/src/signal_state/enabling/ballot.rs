@@ -4,10 +4,10 @@
 use prefetch_index::prefetch_index;
 
 use crate::log::{Nanoseconds, SECOND};
-use crate::plant::SignalClass;
 use crate::signal_state::states::StateId;
 
-use super::happenings::{Happenings, Passed};
+use super::entries::Entry;
+use super::happenings::Happenings;
 use super::window;
 
 /// Instances that vote; one bit each.
@@ -20,9 +20,8 @@ const PARTNER: f64 = 0.08;
 
 /// One transition looks for what it waits for.
 pub(super) struct Election<'a> {
-    /// Its instances, ascending, and what they took since the device's own last event.
-    pub(super) instances: &'a [u32],
-    pub(super) own_s: &'a [f64],
+    /// Its instances, in the order they happened.
+    pub(super) instances: &'a [Entry],
     /// The states it leads from and to.
     pub(super) current: StateId,
     pub(super) next: StateId,
@@ -85,9 +84,9 @@ pub(super) struct Ballot {
 }
 
 impl Ballot {
-    pub(super) fn of(index: &Happenings<'_>) -> Self {
+    pub(super) fn new(states: usize) -> Self {
         Self {
-            tallies: vec![Tally::default(); index.states.len()],
+            tallies: vec![Tally::default(); states],
             voter: 0,
             meetings: Vec::new(),
             met: Vec::new(),
@@ -99,7 +98,7 @@ impl Ballot {
     /// distance. Most transitions wait for nothing: this is most of the search, and asks for little.
     pub(super) fn promises(
         &mut self,
-        index: &Happenings<'_>,
+        index: Happenings<'_>,
         election: &Election<'_>,
         (voters, enough): (usize, u32),
     ) -> bool {
@@ -127,7 +126,7 @@ impl Ballot {
     /// Lets a sample of the instances look back; the own last event always stands for election.
     pub(super) fn vote(
         &mut self,
-        index: &Happenings<'_>,
+        index: Happenings<'_>,
         election: &Election<'_>,
         voters: usize,
     ) -> Vec<Candidate> {
@@ -154,14 +153,14 @@ impl Ballot {
     }
 
     /// All voters look back, each at another place of a long log.
-    fn ask(&mut self, index: &Happenings<'_>, election: &Election<'_>, voters: usize) {
+    fn ask(&mut self, index: Happenings<'_>, election: &Election<'_>, voters: usize) {
         self.open(voters);
         let sample = |voter: usize| voter * election.instances.len() / voters;
         for voter in 0..voters {
-            let (group, place) = index.around(election.instances[sample(voter)]);
+            let place = election.instances[sample(voter)].place as usize;
             // Four events a cache line.
             for back in [0, 4, 8] {
-                prefetch_index(group, place.saturating_sub(back));
+                prefetch_index(index.happenings, place.saturating_sub(back));
             }
         }
         for voter in 0..voters {
@@ -182,15 +181,14 @@ impl Ballot {
     /// One voter: what happened while its device waited, latest first, each state once.
     fn look_back(
         &mut self,
-        index: &Happenings<'_>,
+        index: Happenings<'_>,
         election: &Election<'_>,
         voter: usize,
         at: usize,
     ) {
-        let instance = election.instances[at];
-        let here = index.happenings[instance as usize];
-        let (group, place) = index.around(instance);
-        let since = here.time - (election.own_s[at] * SECOND as f64).round() as Nanoseconds;
+        let Entry { time: now, took, place, .. } = election.instances[at];
+        let (earlier, later) = index.happenings.split_at(place as usize);
+        let since = now - took;
         let first_voter = self.voter - voter as u32 + 1;
         self.voter += 1;
         let (by, next) = (self.voter, election.next);
@@ -205,17 +203,16 @@ impl Ballot {
                 met.push(state);
             }
             *tally = Tally { by, votes: tally.votes + 1 };
-            let ago = (here.time - time).max(0) as u64;
+            let ago = (now - time).max(0) as u64;
             meetings.push(Meeting { state, key: ago << VOTER_BITS | voter as u64 });
         };
         meet(election.current, since);
         // Of the same time, but later in the file: the order inside a scan means nothing.
-        for later in group[place + 1..].iter().take_while(|other| other.time == here.time) {
-            meet(later.state, later.time);
+        for other in later[1..].iter().take_while(|other| other.time == now) {
+            meet(other.state, other.time);
         }
-        let waited = |other: &&Passed| other.run == here.run && other.time >= since;
-        for earlier in group[..place].iter().rev().take(LOOK_BACK).take_while(waited) {
-            meet(earlier.state, earlier.time);
+        for other in earlier.iter().rev().take(LOOK_BACK).take_while(|other| other.time >= since) {
+            meet(other.state, other.time);
         }
     }
 
@@ -251,14 +248,10 @@ impl Ballot {
 
 /// An event of the same instant may be the cause of ours only where an input enables an
 /// output; otherwise it may as well be its effect.
-fn may_enable(index: &Happenings<'_>, state: StateId, next: StateId, meetings: &[u64]) -> bool {
-    let class = |state| {
-        let (signal, _) = index.states.signal_value(state);
-        index.plant.signals[signal as usize].class
-    };
+fn may_enable(index: Happenings<'_>, state: StateId, next: StateId, meetings: &[u64]) -> bool {
     let together = meetings.iter().filter(|&&meeting| ago(meeting) == 0).count();
     together * 5 <= meetings.len()
-        || (class(state) != SignalClass::Output && class(next) == SignalClass::Output)
+        || (!index.is_output[state as usize] && index.is_output[next as usize])
 }
 
 /// The window of width `steady` that holds most of the meetings, sorted by distance: its voters
