@@ -26,7 +26,7 @@ use crate::timing::optimal;
 
 use super::states::{NO_STATE, StateId};
 
-use ballot::{Ballot, Election, VOTERS};
+use ballot::{Ballot, Election};
 use finalists::finalists;
 
 /// What enables a transition, and how long it then takes.
@@ -65,7 +65,7 @@ const INSTANCES_AT_LEAST: usize = 8;
 /// A first screening by so few voters spares most transitions the full vote: some state must be
 /// met by so many of them at a steady distance.
 const SCREENERS: usize = 8;
-const SCREENED: u32 = 3;
+const SCREENED: usize = 3;
 /// A trigger must explain this share of the voters.
 const EXPLAINED: f64 = 0.9;
 /// Finalists measured on all instances, of single triggers and of joins.
@@ -118,9 +118,8 @@ impl Search {
         if !self.ballot.promises(index, &election, (SCREENERS, SCREENED)) {
             return None;
         }
-        let voters = instances.len().min(VOTERS);
-        let candidates = self.ballot.vote(index, &election, voters);
-        let finalists = finalists(&candidates, voters, &election);
+        self.ballot.complete(index, &election, SCREENERS);
+        let finalists = finalists(&mut self.ballot, index, &election);
         let waits = delays::waits(index, instances, next);
         let best = finalists
             .into_iter()

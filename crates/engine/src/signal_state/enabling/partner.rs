@@ -37,12 +37,13 @@ pub(super) fn found(
     }
     let theirs: Vec<Entry> = left.iter().map(|&at| election.instances[at]).collect();
     let of_left = Election { instances: &theirs, steady: election.close, ..*election };
-    let voters = theirs.len().min(VOTERS);
-    let mut candidates = ballot.vote(index, &of_left, voters);
+    let needed = (LEFT_EXPLAINED * of_left.voters() as f64).ceil() as usize;
+    ballot.vote(index, &of_left);
+    let mut candidates = ballot.candidates(index, &of_left, needed..VOTERS + 1, |_| true);
     candidates.retain(|c| {
         let (mask, (least, most)) = c.close;
         c.state != one
-            && f64::from(mask.count_ones()) >= LEFT_EXPLAINED * voters as f64
+            && mask.count_ones() as usize >= needed
             && most.max(high) - least.min(low) <= WIDTHS * election.close
     });
     candidates.sort_by_key(|c| std::cmp::Reverse(c.close.0.count_ones()));
