@@ -7,7 +7,7 @@ use crate::log::{Nanoseconds, SECOND};
 use crate::signal_state::states::StateId;
 
 use super::entries::Entry;
-use super::happenings::Happenings;
+use super::happenings::{Happening, Happenings};
 use super::window;
 
 /// Instances that vote; one bit each.
@@ -41,11 +41,85 @@ impl Election<'_> {
     fn instance(&self, voter: usize) -> &Entry {
         &self.instances[voter * self.instances.len() / self.voters()]
     }
+
+    fn look<'h>(&self, index: Happenings<'h>, voter: usize) -> Look<'h> {
+        let &Entry { time, took, place, .. } = self.instance(voter);
+        let (earlier, later) = index.happenings.split_at(place as usize);
+        // Of the same time, but later in the file: the order inside a scan means nothing.
+        let together = later[1..].iter().take_while(|other| other.time == time).count();
+        Look {
+            now: time,
+            since: time - took,
+            together: &later[1..=together],
+            earlier: &earlier[earlier.len().saturating_sub(LOOK_BACK)..],
+        }
+    }
 }
 
-/// Voters that met a state at nearly one distance, and the least and greatest of those distances
-/// in seconds.
-pub(super) type Window = (u32, (f64, f64));
+/// What a voter sees.
+struct Look<'a> {
+    now: Nanoseconds,
+    /// Its device's own last event.
+    since: Nanoseconds,
+    /// What else happened at its time, but is written later.
+    together: &'a [Happening],
+    /// What is written before it, some of which may have been before its device's last event.
+    earlier: &'a [Happening],
+}
+
+impl<'a> Look<'a> {
+    /// States at these distances in nanoseconds.
+    fn within(
+        self,
+        distances: &std::ops::RangeInclusive<u64>,
+    ) -> impl Iterator<Item = StateId> + 'a {
+        let latest = self.now.saturating_sub_unsigned(*distances.start());
+        let earliest = self.now.saturating_sub_unsigned(*distances.end()).max(self.since);
+        let start = self.earlier.partition_point(|other| other.time < earliest);
+        let near = self.earlier[start..].iter().take_while(move |other| other.time <= latest);
+        let together = self.together.iter().take_while(move |other| other.time <= latest);
+        near.chain(together).map(|other| other.state)
+    }
+}
+
+/// A candidate that may lead a join, as states that few have met are held against it.
+pub(super) struct Leader {
+    pub(super) voters: u32,
+    /// So many of the others another state must explain.
+    pub(super) lacks: usize,
+    /// The distances at which it can, in nanoseconds.
+    pub(super) reach: std::ops::RangeInclusive<u64>,
+}
+
+/// Voters that met a state at nearly one distance, one bit each, and the least and greatest of
+/// those distances in nanoseconds.
+#[derive(Clone, Copy, Default)]
+pub(super) struct Window {
+    pub(super) voters: u32,
+    pub(super) least: u64,
+    pub(super) greatest: u64,
+}
+
+impl Window {
+    /// How many voters.
+    pub(super) fn votes(&self) -> u32 {
+        self.voters.count_ones()
+    }
+
+    /// Both together.
+    pub(super) fn and(&self, other: &Self) -> Self {
+        Self {
+            voters: self.voters | other.voters,
+            least: self.least.min(other.least),
+            greatest: self.greatest.max(other.greatest),
+        }
+    }
+
+    /// The ends in seconds.
+    pub(super) fn ends_s(&self) -> (f64, f64) {
+        (seconds(self.least), seconds(self.greatest))
+    }
+}
 
 /// A candidate after the vote.
 #[derive(Clone)]
@@ -72,13 +146,13 @@ fn voter(meeting: u64) -> u32 {
     meeting as u32 & (VOTERS as u32 - 1)
 }
 
-/// Where a state was met in a vote.
+/// Who met a state last in a vote.
 #[derive(Clone, Copy, Default)]
 struct Tally {
-    /// The last that met it: voters are numbered through all votes, from 1.
+    /// Voters are numbered through all votes, from 1.
     by: u32,
-    /// Where its next meeting goes.
-    next: u32,
+    /// The state's place among those that were met.
+    at: u32,
 }
 
 /// Counts votes; its tables are kept from one vote to the next.
@@ -88,11 +162,13 @@ pub(super) struct Ballot {
     /// The last voter, and the first one of this vote.
     voter: u32,
     first: u32,
-    /// The states that were met.
+    /// The states that were met, how many there are, and how many met each.
     met: Vec<StateId>,
     number: usize,
+    votes: Vec<u8>,
     /// Their meetings, with room for one with each voter.
     meetings: Vec<u64>,
+    near: Vec<StateId>,
 }
 
 impl Ballot {
@@ -104,7 +180,9 @@ impl Ballot {
             first: 1,
             met: Vec::new(),
             number: 0,
+            votes: Vec::new(),
             meetings: Vec::new(),
+            near: Vec::new(),
         }
     }
 
@@ -121,10 +199,11 @@ impl Ballot {
         self.ask(index, election, screeners_of(election, screeners));
         (0..self.number).any(|at| {
             let state = self.met[at];
+            if usize::from(self.votes[at]) < enough || state == election.current {
+                return false;
+            }
             let meetings = self.meetings_of(at);
-            state != election.current
-                && meetings.len() >= enough
-                && are_steady(meetings, election.steady, enough)
+            are_steady(meetings, election.steady, enough)
                 && may_enable(index, state, election.next, meetings)
         })
     }
@@ -147,41 +226,76 @@ impl Ballot {
         self.ask(index, election, 0..election.voters());
     }
 
-    /// The candidates that so many have met and `worth` takes, by state; the own last event always
-    /// stands for election.
+    /// The candidates that so many have met, by state; the own last event always stands for
+    /// election.
     pub(super) fn candidates(
         &mut self,
         index: Happenings<'_>,
         election: &Election<'_>,
-        votes: std::ops::Range<usize>,
-        worth: impl Fn(&[u64]) -> bool,
+        votes: u32,
     ) -> Vec<Candidate> {
-        let least = (PARTNER * election.voters() as f64).ceil() as u32;
         let mut candidates = Vec::new();
         for at in 0..self.number {
-            let state = self.met[at];
-            let meetings = self.meetings_of(at);
-            let met = meetings.len();
-            let is_own = state == election.current && votes.end > VOTERS;
-            if !is_own && !(votes.contains(&met) && worth(meetings)) {
-                continue;
-            }
-            meetings.sort_unstable();
-            if may_enable(index, state, election.next, meetings)
-                && let Some(steady) = densest(meetings, election.steady)
-                && let Some(close) = densest(meetings, election.close.min(election.steady))
-                && (steady.0.count_ones() >= least || state == election.current)
-            {
-                candidates.push(Candidate { state, met: met as u32, steady, close });
+            if u32::from(self.votes[at]) >= votes || self.met[at] == election.current {
+                candidates.extend(self.candidate(index, election, at));
             }
         }
         candidates.sort_unstable_by_key(|candidate| candidate.state);
         candidates
     }
 
+    /// The candidates that so few have met, but perhaps enough of those that a leader lacks, within
+    /// its reach.
+    pub(super) fn followers(
+        &mut self,
+        index: Happenings<'_>,
+        election: &Election<'_>,
+        leaders: &[Leader],
+        votes: u32,
+    ) -> Vec<Candidate> {
+        let mut states = Vec::new();
+        for leader in leaders {
+            self.near.clear();
+            let lacking = (0..election.voters()).filter(|voter| leader.voters >> voter & 1 == 0);
+            for voter in lacking {
+                self.near.extend(election.look(index, voter).within(&leader.reach));
+            }
+            self.near.sort_unstable();
+            let often = self.near.chunk_by(|a, b| a == b).filter(|of| of.len() >= leader.lacks);
+            states.extend(often.map(|of| of[0]));
+        }
+        states.sort_unstable();
+        states.dedup();
+        states.retain(|&state| state != election.next && state != election.current);
+        let few = states.into_iter().map(|state| self.tallies[state as usize].at as usize);
+        let few: Vec<usize> = few.filter(|&at| u32::from(self.votes[at]) < votes).collect();
+        few.into_iter().filter_map(|at| self.candidate(index, election, at)).collect()
+    }
+
+    fn candidate(
+        &mut self,
+        index: Happenings<'_>,
+        election: &Election<'_>,
+        at: usize,
+    ) -> Option<Candidate> {
+        let (state, met) = (self.met[at], u32::from(self.votes[at]));
+        let least = (PARTNER * election.voters() as f64).ceil() as u32;
+        let is_own = state == election.current;
+        if met < least && !is_own {
+            return None;
+        }
+        let meetings = self.meetings_of(at);
+        meetings.sort_unstable();
+        if !may_enable(index, state, election.next, meetings) {
+            return None;
+        }
+        let steady = densest(meetings, election.steady)?;
+        let close = densest(meetings, election.close.min(election.steady))?;
+        (steady.votes() >= least || is_own).then_some(Candidate { state, met, steady, close })
+    }
+
     fn meetings_of(&mut self, at: usize) -> &mut [u64] {
-        let end = self.tallies[self.met[at] as usize].next as usize;
-        &mut self.meetings[at * VOTERS..end]
+        &mut self.meetings[at * VOTERS..][..usize::from(self.votes[at])]
     }
 
     fn open(&mut self) {
@@ -213,38 +327,27 @@ impl Ballot {
 
     /// One voter: what happened while its device waited, latest first, each state once.
     fn look_back(&mut self, index: Happenings<'_>, election: &Election<'_>, voter: usize) {
-        let &Entry { time: now, took, place, .. } = election.instance(voter);
-        let (earlier, later) = index.happenings.split_at(place as usize);
-        let since = now - took;
-        // Of the same time, but later in the file: the order inside a scan means nothing.
-        let together = later[1..].iter().take_while(|other| other.time == now).count();
-        self.make_room(1 + together + LOOK_BACK);
+        let look = election.look(index, voter);
+        self.make_room(1 + look.together.len() + LOOK_BACK);
         self.voter += 1;
-        let (by, first, next) = (self.voter, self.first, election.next);
-        let (tallies, meetings) = (self.tallies.as_mut_slice(), self.meetings.as_mut_slice());
-        let met = self.met.as_mut_slice();
-        let mut number = self.number;
-        let mut meet = |state: StateId, time: Nanoseconds| {
-            let tally = &mut tallies[state as usize];
-            if state == next || tally.by == by {
-                return;
-            }
-            // Nobody can foretell which states are new: no branch.
-            let is_new = tally.by < first;
-            met[number] = state;
-            let at = if is_new { (number * VOTERS) as u32 } else { tally.next };
-            number += usize::from(is_new);
-            *tally = Tally { by, next: at + 1 };
-            meetings[at as usize] = meeting((now - time).max(0) as u64, voter);
+        let mut meet = Meet {
+            voter: (voter, self.voter, self.first),
+            now: look.now,
+            next: election.next,
+            number: self.number,
+            tallies: &mut self.tallies,
+            met: &mut self.met,
+            votes: &mut self.votes,
+            meetings: &mut self.meetings,
         };
-        meet(election.current, since);
-        for other in &later[1..=together] {
-            meet(other.state, other.time);
+        meet.state(election.current, look.since);
+        for other in look.together {
+            meet.state(other.state, other.time);
         }
-        for other in earlier.iter().rev().take(LOOK_BACK).take_while(|other| other.time >= since) {
-            meet(other.state, other.time);
+        for other in look.earlier.iter().rev().take_while(|other| other.time >= look.since) {
+            meet.state(other.state, other.time);
         }
-        self.number = number;
+        self.number = meet.number;
     }
 
     /// For so many more states.
@@ -252,8 +355,44 @@ impl Ballot {
         let number = self.number + states;
         if self.met.len() < number {
             self.met.resize(number, 0);
+            self.votes.resize(number, 0);
             self.meetings.resize(number * VOTERS, 0);
         }
+    }
+}
+
+/// A voter on its way back.
+struct Meet<'a> {
+    /// Its number in this vote and in all, and that of the first of this vote.
+    voter: (usize, u32, u32),
+    now: Nanoseconds,
+    next: StateId,
+    number: usize,
+    tallies: &'a mut [Tally],
+    met: &'a mut [StateId],
+    votes: &'a mut [u8],
+    meetings: &'a mut [u64],
+}
+
+impl Meet<'_> {
+    #[inline(always)]
+    fn state(&mut self, state: StateId, time: Nanoseconds) {
+        let (voter, by, first) = self.voter;
+        let tally = &mut self.tallies[state as usize];
+        if state == self.next || tally.by == by {
+            return;
+        }
+        // Nobody can foretell which states are new: no branch.
+        let is_new = tally.by < first;
+        self.met[self.number] = state;
+        self.votes[self.number] = 0;
+        let at = if is_new { self.number } else { tally.at as usize };
+        self.number += usize::from(is_new);
+        *tally = Tally { by, at: at as u32 };
+        let votes = &mut self.votes[at];
+        self.meetings[at * VOTERS + usize::from(*votes)] =
+            meeting((self.now - time).max(0) as u64, voter);
+        *votes += 1;
     }
 }
 
@@ -286,18 +425,14 @@ fn may_enable(index: Happenings<'_>, state: StateId, next: StateId, meetings: &[
 fn densest(meetings: &[u64], steady: f64) -> Option<Window> {
     let steady = in_nanoseconds(steady);
     let apart = |start: usize, end: usize| ago(meetings[end]) - ago(meetings[start]) > steady;
-    window::densest(meetings.len(), apart).map(|(start, end)| {
-        let mask = voters_of(&meetings[start..=end]);
-        (mask, (seconds(ago(meetings[start])), seconds(ago(meetings[end]))))
+    window::densest(meetings.len(), apart).map(|(start, end)| Window {
+        voters: meetings[start..=end].iter().fold(0, |voters, &met| voters | 1 << voter(met)),
+        least: ago(meetings[start]),
+        greatest: ago(meetings[end]),
     })
 }
 
-/// One bit each.
-pub(super) fn voters_of(meetings: &[u64]) -> u32 {
-    meetings.iter().fold(0u32, |voters, &meeting| voters | 1 << voter(meeting))
-}
-
-fn in_nanoseconds(seconds: f64) -> u64 {
+pub(super) fn in_nanoseconds(seconds: f64) -> u64 {
     (seconds * SECOND as f64) as u64
 }
 
@@ -313,8 +448,8 @@ mod tests {
     fn the_densest_window_names_its_voters() {
         let met = |voter: u64, ms: u64| (ms * 1_000_000) << VOTER_BITS | voter;
         let meetings = [met(3, 100), met(0, 110), met(2, 120), met(1, 7000)];
-        let (mask, (low, high)) = densest(&meetings, 0.05).unwrap_or_default();
-        assert_eq!(mask, 0b1101);
-        assert!((high - low - 0.02).abs() < 1e-9);
+        let window = densest(&meetings, 0.05).unwrap_or_default();
+        assert_eq!(window.voters, 0b1101);
+        assert_eq!((window.least, window.greatest), (100_000_000, 120_000_000));
     }
 }

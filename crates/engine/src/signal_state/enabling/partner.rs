@@ -5,7 +5,7 @@
 
 use crate::signal_state::states::{NO_STATE, StateId};
 
-use super::ballot::{Ballot, Election, VOTERS};
+use super::ballot::{Ballot, Election};
 use super::delays::{self, Wait};
 use super::{Entry, FINALISTS, GAIN, Happenings, window};
 
@@ -37,16 +37,16 @@ pub(super) fn found(
     }
     let theirs: Vec<Entry> = left.iter().map(|&at| election.instances[at]).collect();
     let of_left = Election { instances: &theirs, steady: election.close, ..*election };
-    let needed = (LEFT_EXPLAINED * of_left.voters() as f64).ceil() as usize;
+    let needed = (LEFT_EXPLAINED * of_left.voters() as f64).ceil() as u32;
     ballot.vote(index, &of_left);
-    let mut candidates = ballot.candidates(index, &of_left, needed..VOTERS + 1, |_| true);
+    let mut candidates = ballot.candidates(index, &of_left, needed);
     candidates.retain(|c| {
-        let (mask, (least, most)) = c.close;
+        let (least, most) = c.close.ends_s();
         c.state != one
-            && mask.count_ones() as usize >= needed
+            && c.close.votes() >= needed
             && most.max(high) - least.min(low) <= WIDTHS * election.close
     });
-    candidates.sort_by_key(|c| std::cmp::Reverse(c.close.0.count_ones()));
+    candidates.sort_by_key(|c| std::cmp::Reverse(c.close.votes()));
     let joined = candidates.iter().take(FINALISTS).filter_map(|c| {
         let states = [one, c.state];
         let delays = delays::sorted(index, waits, states)?;
