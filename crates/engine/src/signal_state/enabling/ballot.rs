@@ -316,7 +316,7 @@ impl Ballot {
         for voter in voters.clone() {
             let place = election.instance(voter).place as usize;
             // Four events a cache line.
-            for back in [0, 4, 8] {
+            for back in (0..=LOOK_BACK).step_by(4) {
                 prefetch_index(index.happenings, place.saturating_sub(back));
             }
         }

@@ -23,8 +23,7 @@ pub(super) fn ways(walk: &Walk) -> Vec<Way> {
     let mut ways = vec![ONLY; rules.len()];
     let (branch_of, sizes) = branches(walk);
     let mut departures: Vec<Vec<u32>> = sizes.into_iter().map(Vec::with_capacity).collect();
-    let of_devices = walk.ended.iter().copied().filter(|&rule| rule != NO_RULE);
-    for rule in of_devices.chain(walk.steps.iter().map(|step| step.rule)) {
+    for rule in walk.ended.iter().copied().chain(walk.steps.iter().map(|step| step.rule)) {
         let branch = branch_of[rule as usize];
         if branch != NO_BRANCH {
             departures[branch as usize].push(rule);

@@ -220,7 +220,10 @@ impl Learner {
             further: further
                 .map(|(&(signal, value), first)| (signal, value, first.unwrap_or_default()))
                 .collect(),
-            rules: rules.map(|(rule, &at)| LearnedRule::of(rule, first(at as usize))).collect(),
+            rules: rules
+                .into_iter()
+                .map(|(rule, at)| LearnedRule::of(rule, first(*at as usize)))
+                .collect(),
         }
     }
 }

@@ -49,7 +49,7 @@ pub(super) fn teach(
         is_output: &(0..states.len() as StateId).map(is_output).collect::<Vec<_>>(),
         study: Study { parameters, resolution },
     };
-    assembled(teacher.all(), plant.devices.len() + plant.groups.len())
+    assembled(teacher.all(), teacher.chains.len())
 }
 
 /// What one group teaches.
@@ -120,18 +120,22 @@ impl<'a> Teacher<'a> {
             is_output: self.is_output,
             resolution_s: self.study.resolution as f64 / SECOND as f64,
         };
+        // What happens at one time of a cycle looks back over the same events.
+        let in_order = walk.in_order(self.chains);
         let times_of = |bench: &mut Bench, chunk: usize| -> Vec<Times> {
-            let rules = (0..walk.rules.len()).skip(chunk * AT_ONCE).take(AT_ONCE);
-            let times = rules.map(|rule| {
+            let rules = in_order.iter().skip(chunk * AT_ONCE).take(AT_ONCE);
+            let times = rules.map(|&rule| {
                 let instances = instances.of(walk, rule);
                 self.study.times(&walk.rules[rule], instances, happenings, bench)
             });
             times.collect()
         };
-        let chunks = walk.rules.len().div_ceil(AT_ONCE);
+        let chunks = in_order.len().div_ceil(AT_ONCE);
         let times = share_out(chunks, threads, bench, || self.bench(), times_of);
-        let times = times.into_iter().flatten().zip(branches::ways(walk));
-        let rules = walk.rules.iter().zip(times).map(|(found, (times, way))| Rule {
+        let times = times.into_iter().flatten();
+        let ways = branches::ways(walk);
+        let found = in_order.iter().map(|&rule| (&walk.rules[rule], ways[rule]));
+        let rules = found.clone().zip(times).map(|((found, way), times)| Rule {
             chain: found.chain,
             current: found.current,
             next: found.next,
@@ -146,7 +150,7 @@ impl<'a> Teacher<'a> {
         });
         OfGroup {
             rules: rules.collect(),
-            first: walk.rules.iter().map(|found| events.order[found.first as usize]).collect(),
+            first: found.map(|(found, _)| events.order[found.first as usize]).collect(),
             longest_pause: walk.longest_pause,
             start: walk.start,
         }
@@ -166,7 +170,7 @@ fn assembled(groups: Vec<OfGroup>, chains: usize) -> Taught {
         taught.rules.extend(of_group.rules);
         taught.first.extend(of_group.first);
     }
-    // An event is of one group, which found the device's transition before its own.
+    // Those of one event are of one group, and in order already.
     let mut in_order: Vec<(u32, u32)> = taught.first.iter().copied().zip(0..).collect();
     in_order.sort_unstable();
     for ((_, rule), sequence) in in_order.into_iter().zip(0..) {

@@ -28,9 +28,9 @@ pub(super) struct Step {
 
 /// What was met on the way through a group's events.
 pub(super) struct Walk {
-    /// In the order of first appearance.
+    /// Each chain's in the order of first appearance.
     pub(super) rules: Vec<Found>,
-    /// By event: the transition of its device it ended; [`NO_RULE`] where it ended none.
+    /// Transitions of devices that happened, each device's in the order of the log.
     pub(super) ended: Vec<u32>,
     /// Of the group's chain, in the order of the log.
     pub(super) steps: Vec<Step>,
@@ -43,15 +43,17 @@ pub(super) struct Walk {
     pub(super) start: StateId,
 }
 
-/// Walks through one group after the other. Its tables are kept: states and chains belong to one
-/// group only.
+/// Walks through one group after the other: first through all events in order, which are left with
+/// their devices, then through those of each device, whose few states are all near. Its tables are
+/// kept: states and devices belong to one group only.
 pub(super) struct Walker<'a> {
     chains: &'a Chains,
     states: &'a States,
     /// By state: how often it is entered.
     in_all: &'a [u32],
-    /// By chain.
-    here: Vec<Here>,
+    by_device: ByDevice,
+    /// By run: the place of its first event.
+    run_places: Vec<u32>,
     known: Known,
     walk: Walk,
 }
@@ -61,12 +63,25 @@ pub(super) struct Walker<'a> {
 struct Here {
     time: Nanoseconds,
     state: StateId,
-    /// Twice the run, and one more while `state` was entered at the first time after a start or
-    /// gap.
-    mark: u32,
+    /// True while `state` was entered at the first time after a start or gap.
+    first: bool,
 }
 
-const NOWHERE: Here = Here { time: 0, state: NO_STATE, mark: 0 };
+const NOWHERE: Here = Here { time: 0, state: NO_STATE, first: true };
+
+impl Walk {
+    /// The transitions in the order of first appearance: an event that is of the group's chain is
+    /// first of its device's.
+    pub(super) fn in_order(&self, chains: &Chains) -> Vec<usize> {
+        let first = |rule: usize| {
+            let found = &self.rules[rule];
+            (found.first, chains.kind(found.chain) == ChainKind::Group)
+        };
+        let mut rules: Vec<usize> = (0..self.rules.len()).collect();
+        rules.sort_unstable_by_key(|&rule| first(rule));
+        rules
+    }
+}
 
 impl<'a> Walker<'a> {
     pub(super) fn new(chains: &'a Chains, states: &'a States, in_all: &'a [u32]) -> Self {
@@ -79,97 +94,106 @@ impl<'a> Walker<'a> {
             longest_pause: 0,
             start: NO_STATE,
         };
-        let here = vec![NOWHERE; chains.len()];
-        Self { chains, states, in_all, here, known: Known::new(states.len()), walk }
+        let mut sizes = vec![0; chains.len()];
+        for (state, entries) in (0..).zip(in_all) {
+            let (signal, _) = states.signal_value(state);
+            sizes[chains.device_chain(signal)] += entries;
+        }
+        let by_device = ByDevice::new(sizes);
+        let run_places = Vec::new();
+        Self {
+            chains,
+            states,
+            in_all,
+            by_device,
+            run_places,
+            known: Known::new(states.len()),
+            walk,
+        }
     }
 
     /// Walks through the events of a group.
     pub(super) fn walk(&mut self, events: &[Happening]) -> &Walk {
-        self.begin(events.len());
-        let (mut run, mut last) = (0, 0);
-        for (place, event) in (0..).zip(events) {
-            if std::mem::replace(&mut run, event.run()) != event.run() {
-                self.walk.run_starts.push(event.time);
-                last = event.time;
-            }
-            self.walk.longest_pause = self.walk.longest_pause.max(event.time - last);
-            last = event.time;
-            let (signal, _) = self.states.signal_value(event.state);
-            let (rule, took) =
-                self.step(self.chains.device_chain(signal), ChainKind::Device, event, place);
-            self.walk.ended.push(rule);
-            let entry = Entry { time: event.time, took, place, rule };
-            self.walk.entries.enter(event.state, self.in_all[event.state as usize], entry);
-            if let Some(chain) = self.chains.group_chain(signal) {
-                if self.walk.start == NO_STATE {
-                    self.walk.start = event.state;
-                }
-                let (rule, took) = self.step(chain, ChainKind::Group, event, place);
-                if rule != NO_RULE {
-                    self.walk.steps.push(Step { rule, took });
-                }
-            }
+        let walk = &mut self.walk;
+        walk.rules.clear();
+        walk.ended.clear();
+        walk.ended.reserve(events.len());
+        walk.steps.clear();
+        walk.entries.begin(events.len());
+        walk.run_starts.clear();
+        (walk.longest_pause, walk.start) = (0, NO_STATE);
+        self.run_places.clear();
+        self.by_device.begin(events.len());
+        self.through_group(events);
+        for at in 0..self.by_device.devices.len() {
+            self.through_device(self.by_device.devices[at], events);
         }
         self.count();
         &self.walk
     }
 
-    fn begin(&mut self, events: usize) {
+    fn through_group(&mut self, events: &[Happening]) {
         let walk = &mut self.walk;
-        walk.rules.clear();
-        walk.ended.clear();
-        walk.ended.reserve(events);
-        walk.steps.clear();
-        walk.entries.begin(events);
-        walk.run_starts.clear();
-        (walk.longest_pause, walk.start) = (0, NO_STATE);
+        let (mut run, mut last, mut here) = (0, 0, NOWHERE);
+        for (place, event) in (0..).zip(events) {
+            if std::mem::replace(&mut run, event.run()) != event.run() {
+                walk.run_starts.push(event.time);
+                self.run_places.push(place);
+                last = event.time;
+                here = NOWHERE;
+            }
+            walk.longest_pause = walk.longest_pause.max(event.time - last);
+            last = event.time;
+            let (signal, _) = self.states.signal_value(event.state);
+            let left = Left { time: event.time, state: event.state, place };
+            self.by_device.leave(self.chains.device_chain(signal), left);
+            let Some(chain) = self.chains.group_chain(signal) else { continue };
+            if walk.start == NO_STATE {
+                walk.start = event.state;
+            }
+            if event.doubtful() {
+                here = NOWHERE;
+                continue;
+            }
+            let rules = &mut walk.rules;
+            if let Some((rule, took)) =
+                self.known.step(&mut here, (chain, ChainKind::Group), left, rules)
+            {
+                walk.steps.push(Step { rule, took });
+            }
+        }
     }
 
-    /// One step of a chain: the transition, where it is one, and how long it took.
-    #[inline(always)]
-    fn step(
-        &mut self,
-        chain: ChainIndex,
-        kind: ChainKind,
-        event: &Happening,
-        place: u32,
-    ) -> (u32, Nanoseconds) {
-        let here = &mut self.here[chain];
-        if event.doubtful() {
-            *here = NOWHERE;
-            return (NO_RULE, 0);
+    fn through_device(&mut self, device: u32, events: &[Happening]) {
+        let walk = &mut self.walk;
+        let mut here = NOWHERE;
+        let mut begins = 0;
+        let mut run_places = self.run_places.iter().copied().peekable();
+        for &left in self.by_device.of(device) {
+            while let Some(place) = run_places.next_if(|&place| place <= left.place) {
+                here = NOWHERE;
+                begins = place;
+            }
+            // Nothing is in doubt before the first gap.
+            let step = if begins > 0 && events[left.place as usize].doubtful() {
+                here = NOWHERE;
+                None
+            } else {
+                let chain = (device as usize, ChainKind::Device);
+                self.known.step(&mut here, chain, left, &mut walk.rules)
+            };
+            walk.ended.extend(step.map(|(rule, _)| rule));
+            let Left { time, state, place } = left;
+            let (rule, took) = step.unwrap_or((NO_RULE, 0));
+            let in_all = self.in_all[state as usize];
+            walk.entries.enter(state, in_all, Entry { time, took, place, rule });
         }
-        let before = *here;
-        let known = before.state != NO_STATE && before.mark >> 1 == event.run();
-        // Signals that were ON when the log began were all written at its first time.
-        let before_first = before.mark & 1 == 1;
-        let first = !known || (before_first && before.time == event.time);
-        let mark = event.run() << 1 | u32::from(first);
-        *here = Here { time: event.time, state: event.state, mark };
-        if !known {
-            return (NO_RULE, 0);
-        }
-        let rules = &mut self.walk.rules;
-        let rule = self.known.rule(before.state, kind, event.state, rules, |sibling| Found {
-            chain,
-            current: before.state,
-            next: event.state,
-            count: 0,
-            uncounted: 0,
-            first: place,
-            sibling,
-        });
-        if before_first {
-            rules[rule as usize].uncounted += 1;
-        }
-        (rule, event.time - before.time)
     }
 
     fn count(&mut self) {
         let walk = &mut self.walk;
         let mut counts = vec![0u32; walk.rules.len()];
-        let of_devices = walk.ended.iter().copied().filter(|&rule| rule != NO_RULE);
-        for rule in of_devices.chain(walk.steps.iter().map(|step| step.rule)) {
+        for rule in walk.ended.iter().copied().chain(walk.steps.iter().map(|step| step.rule)) {
             counts[rule as usize] += 1;
         }
         for (rule, count) in walk.rules.iter_mut().zip(counts) {
@@ -192,13 +216,44 @@ impl Known {
         Self { last: vec![(NO_STATE, NO_RULE); 2 * states], newest: vec![NO_RULE; 2 * states] }
     }
 
+    /// One step of a chain: the transition, and how long it took.
+    #[inline(always)]
+    fn step(
+        &mut self,
+        here: &mut Here,
+        (chain, kind): (ChainIndex, ChainKind),
+        left: Left,
+        rules: &mut Vec<Found>,
+    ) -> Option<(u32, Nanoseconds)> {
+        let Left { time, state, place } = left;
+        let before = *here;
+        // Signals that were ON when the log began were all written at its first time.
+        let first = before.state == NO_STATE || (before.first && before.time == time);
+        *here = Here { time, state, first };
+        if before.state == NO_STATE {
+            return None;
+        }
+        let rule = self.rule((before.state, state), kind, rules, |sibling| Found {
+            chain,
+            current: before.state,
+            next: state,
+            count: 0,
+            uncounted: 0,
+            first: place,
+            sibling,
+        });
+        if before.first {
+            rules[rule as usize].uncounted += 1;
+        }
+        Some((rule, time - before.time))
+    }
+
     /// A transition, which is made with its sibling where it is met for the first time.
     #[inline]
     fn rule(
         &mut self,
-        current: StateId,
+        (current, next): (StateId, StateId),
         kind: ChainKind,
-        next: StateId,
         rules: &mut Vec<Found>,
         make: impl FnOnce(u32) -> Found,
     ) -> u32 {
@@ -217,5 +272,59 @@ impl Known {
             *last = (current, rule);
         }
         last.1
+    }
+}
+
+/// An event that was left with its device.
+#[derive(Clone, Copy, Default)]
+struct Left {
+    time: Nanoseconds,
+    state: StateId,
+    place: u32,
+}
+
+/// The events of each device side by side, in order.
+struct ByDevice {
+    /// By device: how many events it has in all.
+    sizes: Vec<u32>,
+    /// By device: where its events of this group end so far.
+    ends: Vec<u32>,
+    /// Those that were met.
+    devices: Vec<u32>,
+    taken: u32,
+    left: Vec<Left>,
+}
+
+const NOT_MET: u32 = u32::MAX;
+
+impl ByDevice {
+    fn new(sizes: Vec<u32>) -> Self {
+        let ends = vec![NOT_MET; sizes.len()];
+        Self { sizes, ends, devices: Vec::new(), taken: 0, left: Vec::new() }
+    }
+
+    fn begin(&mut self, events: usize) {
+        self.devices.clear();
+        self.taken = 0;
+        if self.left.len() < events {
+            self.left.resize(events, Left::default());
+        }
+    }
+
+    #[inline]
+    fn leave(&mut self, device: usize, left: Left) {
+        let end = &mut self.ends[device];
+        if *end == NOT_MET {
+            *end = self.taken;
+            self.taken += self.sizes[device];
+            self.devices.push(device as u32);
+        }
+        self.left[*end as usize] = left;
+        *end += 1;
+    }
+
+    fn of(&self, device: u32) -> &[Left] {
+        let end = self.ends[device as usize] as usize;
+        &self.left[end - self.sizes[device as usize] as usize..end]
     }
 }
