@@ -121,10 +121,11 @@ impl Search {
         self.ballot.complete(index, &election, SCREENERS);
         let finalists = finalists(&mut self.ballot, index, &election);
         let waits = delays::waits(index, instances, next);
+        let mut room = Vec::with_capacity(waits.len());
         let best = finalists
             .into_iter()
             .filter_map(|states| {
-                let delays = delays::sorted(index, &waits, states)?;
+                let delays = delays::sorted(index, &waits, states, &mut room)?;
                 let spread = residual_spread(&delays);
                 (spread <= GAIN * own_spread).then_some((spread, delays, states))
             })

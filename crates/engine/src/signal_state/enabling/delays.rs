@@ -32,14 +32,15 @@ pub(super) fn waits(index: Happenings<'_>, instances: &[Entry], next: StateId) -
 
 /// Sorted delays of all instances from the later of the states; `None` where more than a few
 /// instances came without a fresh one: each occurrence enables a transition once, and only what
-/// happens while the device waits enables it.
+/// happens while the device waits enables it. `delays` is room to work in.
 pub(super) fn sorted(
     index: Happenings<'_>,
     waits: &[Wait],
     states: [StateId; 2],
+    delays: &mut Vec<Nanoseconds>,
 ) -> Option<Vec<f64>> {
     let enough = EXPLAINED * waits.len() as f64;
-    let mut delays: Vec<Nanoseconds> = Vec::with_capacity(waits.len());
+    delays.clear();
     let mut candidates = Occurrences::of(index, states);
     for (at, wait) in waits.iter().enumerate() {
         delays.extend(candidates.delay(wait));
@@ -49,7 +50,7 @@ pub(super) fn sorted(
     }
     // Whole numbers sort faster than floats.
     delays.sort_unstable();
-    (delays.len() as f64 >= enough).then(|| delays.into_iter().map(seconds).collect())
+    (delays.len() as f64 >= enough).then(|| delays.iter().map(|&delay| seconds(delay)).collect())
 }
 
 /// The same of each instance in turn, in seconds; infinite where there was no fresh one.

@@ -47,9 +47,10 @@ pub(super) fn found(
             && most.max(high) - least.min(low) <= WIDTHS * election.close
     });
     candidates.sort_by_key(|c| std::cmp::Reverse(c.close.votes()));
+    let mut room = Vec::new();
     let joined = candidates.iter().take(FINALISTS).filter_map(|c| {
         let states = [one, c.state];
-        let delays = delays::sorted(index, waits, states)?;
+        let delays = delays::sorted(index, waits, states, &mut room)?;
         let (low, high) = most_within(&delays, election.close)?;
         let within = delays.iter().filter(|d| (low..=high).contains(*d)).count();
         let still_left = waits.len() - within;
