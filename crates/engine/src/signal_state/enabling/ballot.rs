@@ -13,6 +13,8 @@ use super::window;
 /// Instances that vote; one bit each.
 pub(super) const VOTERS: usize = 32;
 const VOTER_BITS: u32 = VOTERS.ilog2();
+/// Room for the meetings of a state: an odd number lets the first of many states share the cache.
+const ROOM: usize = VOTERS + 1;
 /// Events of the group a voter looks back over.
 const LOOK_BACK: usize = 48;
 /// Each partner of a join must explain at least this share alone.
@@ -226,17 +228,22 @@ impl Ballot {
         self.ask(index, election, 0..election.voters());
     }
 
-    /// The candidates that so many have met, by state; the own last event always stands for
-    /// election.
+    /// The candidates that so many have met at one steady distance, or at any distance so many as
+    /// `anywhere`, by state; the own last event always stands for election.
     pub(super) fn candidates(
         &mut self,
         index: Happenings<'_>,
         election: &Election<'_>,
-        votes: u32,
+        steadily: u32,
+        anywhere: u32,
     ) -> Vec<Candidate> {
         let mut candidates = Vec::new();
         for at in 0..self.number {
-            if u32::from(self.votes[at]) >= votes || self.met[at] == election.current {
+            let votes = u32::from(self.votes[at]);
+            let is_worth = votes >= anywhere
+                || votes >= steadily
+                    && may_be_steady(self.meetings_of(at), election.steady, steadily as usize);
+            if is_worth || self.met[at] == election.current {
                 candidates.extend(self.candidate(index, election, at));
             }
         }
@@ -244,14 +251,14 @@ impl Ballot {
         candidates
     }
 
-    /// The candidates that so few have met, but perhaps enough of those that a leader lacks, within
-    /// its reach.
+    /// Further candidates that perhaps enough of those have met that a leader lacks, within its
+    /// reach.
     pub(super) fn followers(
         &mut self,
         index: Happenings<'_>,
         election: &Election<'_>,
         leaders: &[Leader],
-        votes: u32,
+        candidates: &[Candidate],
     ) -> Vec<Candidate> {
         let mut states = Vec::new();
         for leader in leaders {
@@ -266,10 +273,14 @@ impl Ballot {
         }
         states.sort_unstable();
         states.dedup();
-        states.retain(|&state| state != election.next && state != election.current);
-        let few = states.into_iter().map(|state| self.tallies[state as usize].at as usize);
-        let few: Vec<usize> = few.filter(|&at| u32::from(self.votes[at]) < votes).collect();
-        few.into_iter().filter_map(|at| self.candidate(index, election, at)).collect()
+        let is_known =
+            |state: StateId| candidates.binary_search_by_key(&state, |known| known.state).is_ok();
+        states.retain(|state| *state != election.next && !is_known(*state));
+        let further = states.into_iter().filter_map(|state| {
+            let at = self.tallies[state as usize].at as usize;
+            self.candidate(index, election, at)
+        });
+        further.collect()
     }
 
     fn candidate(
@@ -295,7 +306,7 @@ impl Ballot {
     }
 
     fn meetings_of(&mut self, at: usize) -> &mut [u64] {
-        &mut self.meetings[at * VOTERS..][..usize::from(self.votes[at])]
+        &mut self.meetings[at * ROOM..][..usize::from(self.votes[at])]
     }
 
     fn open(&mut self) {
@@ -304,6 +315,7 @@ impl Ballot {
             self.voter = 0;
         }
         self.first = self.voter + 1;
+        self.votes[..self.number].fill(0);
         self.number = 0;
     }
 
@@ -356,7 +368,7 @@ impl Ballot {
         if self.met.len() < number {
             self.met.resize(number, 0);
             self.votes.resize(number, 0);
-            self.meetings.resize(number * VOTERS, 0);
+            self.meetings.resize(number * ROOM, 0);
         }
     }
 }
@@ -385,12 +397,11 @@ impl Meet<'_> {
         // Nobody can foretell which states are new: no branch.
         let is_new = tally.by < first;
         self.met[self.number] = state;
-        self.votes[self.number] = 0;
         let at = if is_new { self.number } else { tally.at as usize };
         self.number += usize::from(is_new);
         *tally = Tally { by, at: at as u32 };
         let votes = &mut self.votes[at];
-        self.meetings[at * VOTERS + usize::from(*votes)] =
+        self.meetings[at * ROOM + usize::from(*votes)] =
             meeting((self.now - time).max(0) as u64, voter);
         *votes += 1;
     }
@@ -403,6 +414,17 @@ fn screeners_of(
 ) -> impl Iterator<Item = usize> + Clone + use<> {
     let voters = election.voters();
     (0..screeners).map(move |screener| screener * voters / screeners)
+}
+
+/// Whether so many meetings may lie within this of one another, in seconds. Of any but one fewer
+/// than the others are, one would be among them: most states are told by a few.
+fn may_be_steady(meetings: &[u64], steady: f64, enough: usize) -> bool {
+    let steady = in_nanoseconds(steady);
+    meetings[..=meetings.len() - enough].iter().any(|&one| {
+        let earliest = ago(one).saturating_sub(steady);
+        let near = |&&other: &&u64| ago(other).wrapping_sub(earliest) <= 2 * steady;
+        meetings.iter().filter(near).count() >= enough
+    })
 }
 
 /// Whether so many meetings are within this of one another, in seconds.

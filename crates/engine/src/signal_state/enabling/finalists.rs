@@ -17,7 +17,7 @@ pub(super) fn finalists(
     let needed = (EXPLAINED * election.voters() as f64).ceil() as u32;
     // Nearly all states are met by fewer: they can only follow in a join.
     let half = needed.div_ceil(2);
-    let candidates = ballot.candidates(index, election, half);
+    let candidates = ballot.candidates(index, election, half, needed);
     let spread = |c: &Candidate| {
         let (least, greatest) = c.steady.ends_s();
         greatest - least
@@ -39,7 +39,7 @@ pub(super) fn finalists(
         if leaders.is_empty() {
             return Vec::new();
         }
-        let mut all = ballot.followers(index, election, &leaders, half);
+        let mut all = ballot.followers(index, election, &leaders, &candidates);
         all.extend(candidates.iter().cloned());
         all.sort_unstable_by_key(|c| c.state);
         joins(&all, needed, width, window)

@@ -37,9 +37,11 @@ pub(super) fn found(
     }
     let theirs: Vec<Entry> = left.iter().map(|&at| election.instances[at]).collect();
     let of_left = Election { instances: &theirs, steady: election.close, ..*election };
+    // Met at no steady distance, it is none.
+    let nowhere = u32::MAX;
     let needed = (LEFT_EXPLAINED * of_left.voters() as f64).ceil() as u32;
     ballot.vote(index, &of_left);
-    let mut candidates = ballot.candidates(index, &of_left, needed);
+    let mut candidates = ballot.candidates(index, &of_left, needed, nowhere);
     candidates.retain(|c| {
         let (least, most) = c.close.ends_s();
         c.state != one
