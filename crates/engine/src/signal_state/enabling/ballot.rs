@@ -474,4 +474,24 @@ mod tests {
         assert_eq!(window.voters, 0b1101);
         assert_eq!((window.least, window.greatest), (100_000_000, 120_000_000));
     }
+
+    #[test]
+    fn no_window_is_missed_by_looking_at_few() {
+        let mut dice = 1u64;
+        for enough in 2..9 {
+            for _ in 0..500 {
+                let mut meetings: Vec<u64> = Vec::new();
+                for voter in 0..enough + 3 {
+                    dice = dice.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
+                    meetings.push(meeting((dice >> 33) % 40 * 10_000_000, voter));
+                }
+                let may_be = may_be_steady(&meetings, 0.05, enough);
+                meetings.sort_unstable();
+                let is = densest(&meetings, 0.05).is_some_and(|w| w.votes() as usize >= enough);
+                assert!(may_be || !is, "{meetings:?}");
+            }
+        }
+        let apart: Vec<u64> = (0..20).map(|voter| meeting(voter << 40, voter as usize)).collect();
+        assert!(!may_be_steady(&apart, 0.05, 10));
+    }
 }
