@@ -11,9 +11,11 @@
 
 mod ballot;
 mod delays;
+mod election;
 mod entries;
 mod finalists;
 mod happenings;
+mod meetings;
 mod partner;
 mod window;
 
@@ -26,7 +28,8 @@ use crate::timing::optimal;
 
 use super::states::{NO_STATE, StateId};
 
-use ballot::{Ballot, Election};
+use ballot::Ballot;
+use election::Election;
 use finalists::finalists;
 
 /// What enables a transition, and how long it then takes.

@@ -3,125 +3,17 @@
 
 use prefetch_index::prefetch_index;
 
-use crate::log::{Nanoseconds, SECOND};
+use crate::log::Nanoseconds;
 use crate::signal_state::states::StateId;
 
-use super::entries::Entry;
-use super::happenings::{Happening, Happenings};
-use super::window;
+use super::election::{Election, LOOK_BACK};
+use super::happenings::Happenings;
+use super::meetings::{VOTERS, Window, ago, are_steady, densest, may_be_steady, meeting};
 
-/// Instances that vote; one bit each.
-pub(super) const VOTERS: usize = 32;
-const VOTER_BITS: u32 = VOTERS.ilog2();
 /// Room for the meetings of a state: an odd number lets the first of many states share the cache.
 const ROOM: usize = VOTERS + 1;
-/// Events of the group a voter looks back over.
-const LOOK_BACK: usize = 48;
 /// Each partner of a join must explain at least this share alone.
 const PARTNER: f64 = 0.08;
-
-/// One transition looks for what it waits for.
-pub(super) struct Election<'a> {
-    /// Its instances, in the order they happened.
-    pub(super) instances: &'a [Entry],
-    /// The states it leads from and to.
-    pub(super) current: StateId,
-    pub(super) next: StateId,
-    /// Delays that agree within this are steady, in seconds.
-    pub(super) steady: f64,
-    /// Those that agree within this differ by no more than scans do.
-    pub(super) close: f64,
-}
-
-impl Election<'_> {
-    /// How many instances vote.
-    pub(super) fn voters(&self) -> usize {
-        self.instances.len().min(VOTERS)
-    }
-
-    /// A voter's instance, each at another place of a long log.
-    fn instance(&self, voter: usize) -> &Entry {
-        &self.instances[voter * self.instances.len() / self.voters()]
-    }
-
-    fn look<'h>(&self, index: Happenings<'h>, voter: usize) -> Look<'h> {
-        let &Entry { time, took, place, .. } = self.instance(voter);
-        let (earlier, later) = index.happenings.split_at(place as usize);
-        // Of the same time, but later in the file: the order inside a scan means nothing.
-        let together = later[1..].iter().take_while(|other| other.time == time).count();
-        Look {
-            now: time,
-            since: time - took,
-            together: &later[1..=together],
-            earlier: &earlier[earlier.len().saturating_sub(LOOK_BACK)..],
-        }
-    }
-}
-
-/// What a voter sees.
-struct Look<'a> {
-    now: Nanoseconds,
-    /// Its device's own last event.
-    since: Nanoseconds,
-    /// What else happened at its time, but is written later.
-    together: &'a [Happening],
-    /// What is written before it, some of which may have been before its device's last event.
-    earlier: &'a [Happening],
-}
-
-impl<'a> Look<'a> {
-    /// States at these distances in nanoseconds.
-    fn within(
-        self,
-        distances: &std::ops::RangeInclusive<u64>,
-    ) -> impl Iterator<Item = StateId> + 'a {
-        let latest = self.now.saturating_sub_unsigned(*distances.start());
-        let earliest = self.now.saturating_sub_unsigned(*distances.end()).max(self.since);
-        let start = self.earlier.partition_point(|other| other.time < earliest);
-        let near = self.earlier[start..].iter().take_while(move |other| other.time <= latest);
-        let together = self.together.iter().take_while(move |other| other.time <= latest);
-        near.chain(together).map(|other| other.state)
-    }
-}
-
-/// A candidate that may lead a join, as states that few have met are held against it.
-pub(super) struct Leader {
-    pub(super) voters: u32,
-    /// So many of the others another state must explain.
-    pub(super) lacks: usize,
-    /// The distances at which it can, in nanoseconds.
-    pub(super) reach: std::ops::RangeInclusive<u64>,
-}
-
-/// Voters that met a state at nearly one distance, one bit each, and the least and greatest of
-/// those distances in nanoseconds.
-#[derive(Clone, Copy, Default)]
-pub(super) struct Window {
-    pub(super) voters: u32,
-    pub(super) least: u64,
-    pub(super) greatest: u64,
-}
-
-impl Window {
-    /// How many voters.
-    pub(super) fn votes(&self) -> u32 {
-        self.voters.count_ones()
-    }
-
-    /// Both together.
-    pub(super) fn and(&self, other: &Self) -> Self {
-        Self {
-            voters: self.voters | other.voters,
-            least: self.least.min(other.least),
-            greatest: self.greatest.max(other.greatest),
-        }
-    }
-
-    /// The ends in seconds.
-    pub(super) fn ends_s(&self) -> (f64, f64) {
-        (seconds(self.least), seconds(self.greatest))
-    }
-}
 
 /// A candidate after the vote.
 #[derive(Clone)]
@@ -135,17 +27,13 @@ pub(super) struct Candidate {
     pub(super) close: Window,
 }
 
-/// How long ago a state was met, and the voter in the low bits: numbers sort several times faster.
-fn meeting(ago: u64, voter: usize) -> u64 {
-    ago << VOTER_BITS | voter as u64
-}
-
-fn ago(meeting: u64) -> u64 {
-    meeting >> VOTER_BITS
-}
-
-fn voter(meeting: u64) -> u32 {
-    meeting as u32 & (VOTERS as u32 - 1)
+/// A candidate that may lead a join, as states that few have met are held against it.
+pub(super) struct Leader {
+    pub(super) voters: u32,
+    /// So many of the others another state must explain.
+    pub(super) lacks: usize,
+    /// The distances at which it can, in nanoseconds.
+    pub(super) reach: std::ops::RangeInclusive<u64>,
 }
 
 /// Who met a state last in a vote.
@@ -416,82 +304,10 @@ fn screeners_of(
     (0..screeners).map(move |screener| screener * voters / screeners)
 }
 
-/// Whether so many meetings may lie within this of one another, in seconds. Of any but one fewer
-/// than the others are, one would be among them: most states are told by a few.
-fn may_be_steady(meetings: &[u64], steady: f64, enough: usize) -> bool {
-    let steady = in_nanoseconds(steady);
-    meetings[..=meetings.len() - enough].iter().any(|&one| {
-        let earliest = ago(one).saturating_sub(steady);
-        let near = |&&other: &&u64| ago(other).wrapping_sub(earliest) <= 2 * steady;
-        meetings.iter().filter(near).count() >= enough
-    })
-}
-
-/// Whether so many meetings are within this of one another, in seconds.
-fn are_steady(meetings: &mut [u64], steady: f64, enough: usize) -> bool {
-    let steady = in_nanoseconds(steady);
-    meetings.sort_unstable();
-    meetings.windows(enough).any(|few| ago(few[enough - 1]) - ago(few[0]) <= steady)
-}
-
 /// An event of the same instant may be the cause of ours only where an input enables an
 /// output; otherwise it may as well be its effect.
 fn may_enable(index: Happenings<'_>, state: StateId, next: StateId, meetings: &[u64]) -> bool {
     let together = meetings.iter().filter(|&&meeting| ago(meeting) == 0).count();
     together * 5 <= meetings.len()
         || (!index.is_output[state as usize] && index.is_output[next as usize])
-}
-
-/// The window of width `steady` that holds most of the meetings, sorted by distance: its voters
-/// and ends.
-fn densest(meetings: &[u64], steady: f64) -> Option<Window> {
-    let steady = in_nanoseconds(steady);
-    let apart = |start: usize, end: usize| ago(meetings[end]) - ago(meetings[start]) > steady;
-    window::densest(meetings.len(), apart).map(|(start, end)| Window {
-        voters: meetings[start..=end].iter().fold(0, |voters, &met| voters | 1 << voter(met)),
-        least: ago(meetings[start]),
-        greatest: ago(meetings[end]),
-    })
-}
-
-pub(super) fn in_nanoseconds(seconds: f64) -> u64 {
-    (seconds * SECOND as f64) as u64
-}
-
-fn seconds(nanoseconds: u64) -> f64 {
-    nanoseconds as f64 / SECOND as f64
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_densest_window_names_its_voters() {
-        let met = |voter: u64, ms: u64| (ms * 1_000_000) << VOTER_BITS | voter;
-        let meetings = [met(3, 100), met(0, 110), met(2, 120), met(1, 7000)];
-        let window = densest(&meetings, 0.05).unwrap_or_default();
-        assert_eq!(window.voters, 0b1101);
-        assert_eq!((window.least, window.greatest), (100_000_000, 120_000_000));
-    }
-
-    #[test]
-    fn no_window_is_missed_by_looking_at_few() {
-        let mut dice = 1u64;
-        for enough in 2..9 {
-            for _ in 0..500 {
-                let mut meetings: Vec<u64> = Vec::new();
-                for voter in 0..enough + 3 {
-                    dice = dice.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1);
-                    meetings.push(meeting((dice >> 33) % 40 * 10_000_000, voter));
-                }
-                let may_be = may_be_steady(&meetings, 0.05, enough);
-                meetings.sort_unstable();
-                let is = densest(&meetings, 0.05).is_some_and(|w| w.votes() as usize >= enough);
-                assert!(may_be || !is, "{meetings:?}");
-            }
-        }
-        let apart: Vec<u64> = (0..20).map(|voter| meeting(voter << 40, voter as usize)).collect();
-        assert!(!may_be_steady(&apart, 0.05, 10));
-    }
 }

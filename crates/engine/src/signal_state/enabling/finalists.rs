@@ -2,7 +2,9 @@
 
 use crate::signal_state::states::{NO_STATE, StateId};
 
-use super::ballot::{Ballot, Candidate, Election, Leader, Window, in_nanoseconds};
+use super::ballot::{Ballot, Candidate, Leader};
+use super::election::Election;
+use super::meetings::{Window, in_nanoseconds};
 use super::{EXPLAINED, FINALISTS, Happenings};
 
 /// Candidates that may lead a join.

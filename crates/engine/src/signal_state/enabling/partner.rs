@@ -5,8 +5,9 @@
 
 use crate::signal_state::states::{NO_STATE, StateId};
 
-use super::ballot::{Ballot, Election};
+use super::ballot::Ballot;
 use super::delays::{self, Wait};
+use super::election::Election;
 use super::{Entry, FINALISTS, GAIN, Happenings, window};
 
 /// So many instances must be left, and the partner must explain this share of them.
