@@ -197,6 +197,21 @@ fn another_group_is_no_trigger() {
 }
 
 #[test]
+fn logs_of_the_same_time_teach_as_logs_one_after_the_other() {
+    let first = press_line(60, "Line", 11, |_| 0, NEVER);
+    let second = press_line(60, "Line", 12, |_| 0, NEVER);
+    let rules = |after: i64| {
+        let time = second.time.iter().map(|time| time + after).collect();
+        let logs = [first.clone(), ChangeLog { time, ..second.clone() }];
+        let model = learn(&logs, &SymbolTable::default(), &Parameters::default());
+        model.expect("the logs have events").rules
+    };
+    let same_time = rules(0);
+    assert!(same_time.iter().any(|rule| rule.trigger.is_some()));
+    assert_eq!(same_time, rules(100_000_000 * MS));
+}
+
+#[test]
 fn the_graph_shows_what_is_waited_for_as_dashed_arrows() {
     let model = model_of(&press_line(120, "Line", 7, |_| 0, NEVER));
     let press = model.find_chain("Line", Some("Press")).expect("the device is there");

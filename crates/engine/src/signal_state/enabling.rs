@@ -11,11 +11,15 @@
 
 mod ballot;
 mod delays;
+mod election;
+mod entries;
 mod finalists;
 mod happenings;
+mod meetings;
 mod partner;
 mod window;
 
+pub use entries::{Entries, Entry, NO_RULE};
 pub use happenings::{Happening, Happenings};
 
 use crate::log::Nanoseconds;
@@ -24,7 +28,8 @@ use crate::timing::optimal;
 
 use super::states::{NO_STATE, StateId};
 
-use ballot::{Ballot, Election, VOTERS};
+use ballot::Ballot;
+use election::Election;
 use finalists::finalists;
 
 /// What enables a transition, and how long it then takes.
@@ -63,7 +68,7 @@ const INSTANCES_AT_LEAST: usize = 8;
 /// A first screening by so few voters spares most transitions the full vote: some state must be
 /// met by so many of them at a steady distance.
 const SCREENERS: usize = 8;
-const SCREENED: u32 = 3;
+const SCREENED: usize = 3;
 /// A trigger must explain this share of the voters.
 const EXPLAINED: f64 = 0.9;
 /// Finalists measured on all instances, of single triggers and of joins.
@@ -80,25 +85,25 @@ const STEADY_AT_MOST_S: f64 = 1.0;
 /// Share of each tail of delays that may be outliers.
 const OUTLIERS: f64 = 0.01;
 
-/// Looks for enabling events in learned happenings.
-pub struct Search<'a> {
-    index: &'a Happenings<'a>,
+/// Looks for enabling events.
+pub struct Search {
     ballot: Ballot,
 }
 
-impl<'a> Search<'a> {
-    /// A search, one of several that may go on at a time.
-    pub fn new(index: &'a Happenings<'a>) -> Self {
-        Self { index, ballot: Ballot::of(index) }
+impl Search {
+    /// A search in the groups of a plant of so many states, one of several that may go on at a
+    /// time.
+    pub fn new(states: usize) -> Self {
+        Self { ballot: Ballot::new(states) }
     }
 
-    /// The enabling event of a transition into `next`, whose instances are the happenings
-    /// `instances` (ascending) and took `own_s` since the device's own last event (`sorted`: by
-    /// size); `current` is that event's state. `None` where nothing explains it better than the own event.
+    /// The enabling event of a transition from `current` to `next`, the two of `states`, in its
+    /// group's happenings. `sorted` is how long its instances took since the device's own last
+    /// event, by size, in seconds. `None` where nothing explains it better than that event.
     pub fn trigger(
         &mut self,
-        instances: &[u32],
-        own_s: &[f64],
+        index: Happenings<'_>,
+        instances: &[Entry],
         sorted: &[f64],
         (current, next): (StateId, StateId),
     ) -> Option<Trigger> {
@@ -106,24 +111,24 @@ impl<'a> Search<'a> {
             return None;
         }
         let own_spread = residual_spread(sorted);
-        let tight = TIGHT_RESOLUTIONS * self.index.resolution_s;
+        let tight = TIGHT_RESOLUTIONS * index.resolution_s;
         if own_spread <= tight.max(TIGHT_SHARE * sorted[sorted.len() / 2]) {
             return None;
         }
         let steady = (own_spread / 8.0).clamp(tight, STEADY_AT_MOST_S.max(tight));
         let close = 2.0 * tight;
-        let election = Election { instances, own_s, current, next, steady, close };
-        if !self.ballot.promises(self.index, &election, (SCREENERS, SCREENED)) {
+        let election = Election { instances, current, next, steady, close };
+        if !self.ballot.promises(index, &election, (SCREENERS, SCREENED)) {
             return None;
         }
-        let voters = instances.len().min(VOTERS);
-        let candidates = self.ballot.vote(self.index, &election, voters);
-        let finalists = finalists(&candidates, voters, &election);
-        let waits = delays::waits(self.index, instances, own_s, next);
+        self.ballot.complete(index, &election, SCREENERS);
+        let finalists = finalists(&mut self.ballot, index, &election);
+        let waits = delays::waits(index, instances, next);
+        let mut room = Vec::with_capacity(waits.len());
         let best = finalists
             .into_iter()
             .filter_map(|states| {
-                let delays = delays::sorted(self.index, &waits, states)?;
+                let delays = delays::sorted(index, &waits, states, &mut room)?;
                 let spread = residual_spread(&delays);
                 (spread <= GAIN * own_spread).then_some((spread, delays, states))
             })
@@ -133,17 +138,15 @@ impl<'a> Search<'a> {
                 let rank = |(spread, delays, _): &(f64, Vec<f64>, _)| {
                     let n = delays.len();
                     let several = delays[n - 1 - n / 20] - delays[n / 20] > steady;
-                    let left = (spread.max(self.index.resolution_s) / self.index.resolution_s)
-                        .ln()
-                        .round();
+                    let left = (spread.max(index.resolution_s) / index.resolution_s).ln().round();
                     (left + if several { SEVERAL } else { 0.0 }) * 1e6 + delays[n / 2]
                 };
                 rank(a).total_cmp(&rank(b))
             })?;
         let (_, delays, states) = best;
-        let joined = partner::found(self, &election, &waits, states);
+        let joined = partner::found(&mut self.ballot, index, &election, &waits, states);
         let (delays, states) = joined.unwrap_or((delays, states));
-        let clusters = optimal::cluster(&delays, self.index.resolution_s).into();
+        let clusters = optimal::cluster(&delays, index.resolution_s).into();
         Some(Trigger { states, clusters })
     }
 }

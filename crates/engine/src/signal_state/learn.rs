@@ -1,12 +1,16 @@
 //! Learning the nominal model from fault-free logs (Ghosh 2016, sections 2.4.1 and 2.4.2).
 
+mod branches;
 mod clock;
 pub mod context;
+mod instances;
 pub mod lesson;
 pub mod merge;
 mod reading;
+mod share_out;
 mod starting;
 pub mod survey;
+mod teach;
 mod timing;
 mod walk;
 
@@ -20,17 +24,13 @@ use crate::plant::Plant;
 use crate::symbols::SymbolTable;
 
 use super::chains::{ChainKind, Chains};
-use super::dispersion;
-use super::enabling::{Happening, Happenings};
 use super::model::{Learned, NominalModel};
 use super::order::ScanOrder;
 use super::parameters::{ParameterError, Parameters, Timing};
-use super::rules::{Rule, row_of};
-use super::states::{NO_STATE, StateId, States};
+use super::rules::Rule;
+use super::states::{StateId, States};
 
-use reading::Run;
-use timing::{Study, Times};
-use walk::{Found, Transitions};
+use reading::Source;
 
 /// Why nothing can be learned.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -72,21 +72,26 @@ pub fn learn<L: Borrow<ChangeLog>>(
     let rule = NamingRule::parse(&parameters.naming)?;
     let symbols = reading::all_symbols(logs);
     let mut plant = Plant::arrange(&symbols, table, &rule);
-    reading::mark_words(&mut plant, logs);
+    let numbers: Vec<_> = logs.iter().map(|log| reading::numbers(log, &plant)).collect();
+    let runs: Vec<_> = logs.iter().map(|log| reading::runs(log)).collect();
+    let sources = logs.iter().zip(&runs).zip(&numbers);
+    let sources: Vec<Source<'_>> =
+        sources.map(|((&log, runs), numbers)| Source { log, runs, numbers }).collect();
+    for source in &sources {
+        reading::mark_words(&mut plant, source);
+    }
     let order = (parameters.timing == Timing::Adaptive).then(|| ScanOrder::of(&plant));
     let mut states = States::new(plant.signals.len());
-    let runs: Vec<Vec<Run>> = logs.iter().map(|log| reading::runs(log)).collect();
-    let runs = logs.iter().copied().zip(runs.iter().map(Vec::as_slice));
-    let events = reading::read_events(runs, &plant, &mut states, order.as_ref());
-    if events.happenings.is_empty() {
+    let events = reading::read_events(&sources, &plant, &mut states, order.as_ref());
+    if events.number == 0 {
         return Err(LearnError::NoEvents);
     }
     starting::set_chosen(&mut plant, parameters)?;
-    starting::set_first(&mut plant, &events.happenings);
+    starting::set_first(&mut plant, &events.first);
     let resolution = clock::resolution(logs, parameters);
-    let taught = teach(&events.happenings, &plant, &states, parameters, resolution);
+    let taught = teach::teach(&events, &plant, &states, parameters, resolution);
     let learned = Learned {
-        events: events.happenings.len() as u64,
+        events: u64::from(events.number),
         duration: logs.iter().copied().filter_map(span).sum(),
         resolution,
         scan_window: clock::scan_window(logs, parameters),
@@ -96,72 +101,8 @@ pub fn learn<L: Borrow<ChangeLog>>(
     Ok(NominalModel::assemble(plant, states, taught.rules, learned, parameters.clone()))
 }
 
-/// What events teach of a plant, or of a part of it.
-struct Taught {
-    /// In the order of first appearance.
-    rules: Vec<Rule>,
-    /// By rule: the event it first ended with.
-    first: Vec<u32>,
-    /// By group.
-    longest_pause: Vec<Nanoseconds>,
-    group_start: Vec<StateId>,
-}
-
-/// Learns from the events of a plant whose starting signals are known.
-fn teach(
-    events: &[Happening],
-    plant: &Plant,
-    states: &States,
-    parameters: &Parameters,
-    resolution: Nanoseconds,
-) -> Taught {
-    let chains = Chains::of(plant);
-    let transitions = walk::walk(events, &chains, states.len());
-    let happenings = (parameters.timing == Timing::Adaptive)
-        .then(|| Happenings::of(events, plant, states, resolution));
-    let study = Study {
-        found: &transitions,
-        chains: &chains,
-        parameters,
-        resolution,
-        happenings: happenings.as_ref(),
-    };
-    let rules = rules(&transitions, study.all(), &chains, states.len());
-    Taught {
-        rules,
-        first: transitions.first_events(),
-        longest_pause: longest_pauses(events, &chains, plant.groups.len()),
-        group_start: group_starts(events, &chains, plant.groups.len()),
-    }
-}
-
 fn span(log: &ChangeLog) -> Option<Nanoseconds> {
     Some(log.time.last()?.saturating_sub(*log.time.first()?))
-}
-
-/// Transitions and their times as rules, with their probabilities.
-fn rules(found: &Transitions, times: Vec<Times>, chains: &Chains, states: usize) -> Vec<Rule> {
-    let branch_dispersion = branch_dispersion(found, chains, states);
-    let mut position = vec![0u32; chains.len()];
-    let mut rules = Vec::with_capacity(found.rules.len());
-    for (index, (transition, times)) in found.rules.iter().zip(times).enumerate() {
-        rules.push(Rule {
-            chain: transition.chain,
-            current: transition.current,
-            next: transition.next,
-            count: transition.count,
-            uncounted: transition.uncounted,
-            probability: 0.0,
-            sequence: index as u32,
-            position: position[transition.chain],
-            dispersion: branch_dispersion[index] as f32,
-            clusters: times.clusters.into(),
-            trigger: times.trigger.map(Box::new),
-        });
-        position[transition.chain] += 1;
-    }
-    set_probabilities(&mut rules, chains);
-    rules
 }
 
 /// Shares of each transition among those out of its state.
@@ -174,58 +115,4 @@ pub(super) fn set_probabilities(rules: &mut [Rule], chains: &Chains) {
         let total = out[&(chains.kind(rule.chain), rule.current)];
         rule.probability = f64::from(rule.count) / total as f64;
     }
-}
-
-/// Dispersion of every branch: of "this transition was taken" among departures from its state.
-fn branch_dispersion(found: &Transitions, chains: &Chains, states: usize) -> Vec<f64> {
-    let row = |rule: &Found| row_of(rule.current, chains.kind(rule.chain));
-    // Most states are left in one way only.
-    let mut ways = vec![0u32; 2 * states];
-    for rule in &found.rules {
-        ways[row(rule)] += 1;
-    }
-    let rows: Vec<Option<usize>> =
-        found.rules.iter().map(row).map(|row| (ways[row] > 1).then_some(row)).collect();
-    let mut departures: Vec<Vec<u32>> = vec![Vec::new(); 2 * states];
-    for instance in &found.instances {
-        if let Some(row) = rows[instance.rule as usize] {
-            departures[row].push(instance.rule);
-        }
-    }
-    rows.iter()
-        .zip(0..)
-        .map(|(row, index)| row.map_or(1.0, |row| dispersion::of_share(&departures[row], index)))
-        .collect()
-}
-
-/// Longest time between two events of each group.
-fn longest_pauses(events: &[Happening], chains: &Chains, groups: usize) -> Vec<Nanoseconds> {
-    let mut last: Vec<Option<Nanoseconds>> = vec![None; groups];
-    let mut longest = vec![0; groups];
-    let mut run = 0;
-    for event in events {
-        if std::mem::replace(&mut run, event.run) != event.run {
-            last.fill(None);
-        }
-        let group = chains.group_of(chains.device_chain(event.signal));
-        if let Some(last) = last[group] {
-            longest[group] = longest[group].max(event.time - last);
-        }
-        last[group] = Some(event.time);
-    }
-    longest
-}
-
-/// The first signal-state of each group's chain: its return closes a group cycle.
-fn group_starts(events: &[Happening], chains: &Chains, groups: usize) -> Vec<StateId> {
-    let mut starts = vec![NO_STATE; groups];
-    for event in events {
-        if let Some(chain) = chains.group_chain(event.signal) {
-            let start = &mut starts[chains.group_of(chain)];
-            if *start == NO_STATE {
-                *start = event.state;
-            }
-        }
-    }
-    starts
 }

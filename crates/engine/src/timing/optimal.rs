@@ -3,6 +3,8 @@
 //! the number of clusters by the Bayesian information criterion, and a separation test, so that
 //! one broad time is not cut into slices.
 
+use std::ops::Range;
+
 use super::TimeCluster;
 
 /// More times than this per transition are not told apart: the papers' plants have up to three.
@@ -62,7 +64,7 @@ pub fn cluster(sorted: &[f64], resolution_s: f64) -> Vec<TimeCluster> {
 }
 
 fn points(sorted: &[f64]) -> Vec<Point> {
-    let mut points: Vec<Point> = Vec::new();
+    let mut points: Vec<Point> = Vec::with_capacity(sorted.len());
     let mut last = f64::NAN;
     for (start, &time) in sorted.iter().enumerate() {
         match points.last_mut() {
@@ -99,7 +101,12 @@ impl Prefix {
     fn of(points: &[Point]) -> Self {
         let total: f64 = points.iter().map(|p| p.weight).sum();
         let centre = points.iter().map(|p| p.sum).sum::<f64>() / total;
-        let mut prefix = Self { weight: vec![0.0], sum: vec![0.0], square: vec![0.0] };
+        let zero = || {
+            let mut sums = Vec::with_capacity(points.len() + 1);
+            sums.push(0.0);
+            sums
+        };
+        let mut prefix = Self { weight: zero(), sum: zero(), square: zero() };
         let (mut weight, mut sum, mut square) = (0.0, 0.0, 0.0);
         for point in points {
             let value = point.sum / point.weight - centre;
@@ -119,6 +126,21 @@ impl Prefix {
         let sum = self.sum[to] - self.sum[from];
         (self.square[to] - self.square[from] - sum * sum / weight).max(0.0)
     }
+
+    /// Costs over points `from..to`, each with what is added to it, for several `from`.
+    fn costs(&self, from: Range<usize>, to: usize, added: &[f64], costs: &mut Vec<f64>) {
+        let (to_weight, to_sum, to_square) = (self.weight[to], self.sum[to], self.square[to]);
+        let (weights, sums) = (&self.weight[from.clone()], &self.sum[from.clone()]);
+        let (squares, added) = (&self.square[from.clone()], &added[from]);
+        costs.clear();
+        // No bounds and no branches: several at a time.
+        costs.extend(weights.iter().zip(sums).zip(squares).zip(added).map(
+            |(((weight, sum), square), added)| {
+                let (weight, sum) = (to_weight - weight, to_sum - sum);
+                added + (to_square - square - sum * sum / weight).max(0.0)
+            },
+        ));
+    }
 }
 
 /// Start indices (into the sorted instances) of the partition with the best BIC.
@@ -127,18 +149,20 @@ fn best_starts(sorted: &[f64], points: &[Point], floor: f64) -> Vec<usize> {
     let n = points.len();
     let total = sorted.len() as f64;
     let at_most = CLUSTERS_AT_MOST.min(n);
-    // costs[j]: least cost of the first j points in k clusters; cut[k][j]: where the last starts.
-    let mut costs: Vec<f64> =
-        (0..=n).map(|j| if j == 0 { 0.0 } else { prefix.cost(0, j) }).collect();
-    let mut cuts: Vec<Vec<usize>> = vec![vec![0; n + 1]];
+    let one: Vec<f64> = (0..=n).map(|j| if j == 0 { 0.0 } else { prefix.cost(0, j) }).collect();
+    let mut programme = Programme {
+        prefix: &prefix,
+        next: vec![f64::INFINITY; n + 1],
+        before: one,
+        cuts: vec![0; n + 1],
+        costs: Vec::with_capacity(n),
+        is_last: false,
+    };
     let mut best = (criterion(&prefix, &[0], n, total, floor), vec![0]);
     for k in 2..=at_most {
-        let mut next = vec![f64::INFINITY; n + 1];
-        let mut cut = vec![0; n + 1];
-        fill(&prefix, &costs, &mut next, &mut cut, (k, n), (k - 1, n - 1));
-        costs = next;
-        cuts.push(cut);
-        let starts = trace_back(&cuts, n);
+        programme.is_last = k == at_most;
+        programme.layer(k, n);
+        let starts = trace_back(&programme.cuts, n);
         let value = criterion(&prefix, &starts, n, total, floor);
         if value < best.0 {
             best = (value, starts);
@@ -147,36 +171,59 @@ fn best_starts(sorted: &[f64], points: &[Point], floor: f64) -> Vec<usize> {
     best.1.into_iter().map(|point| points[point].start).collect()
 }
 
-/// Fills one layer of the programme: the best cut never moves back as the end moves on.
-fn fill(
-    prefix: &Prefix,
-    before: &[f64],
-    next: &mut [f64],
-    cut: &mut [usize],
-    (low, high): (usize, usize),
-    (cut_low, cut_high): (usize, usize),
-) {
-    if low > high {
-        return;
-    }
-    let middle = low.midpoint(high);
-    let last = cut_high.min(middle - 1);
-    for (start, &cost_before) in before.iter().enumerate().take(last + 1).skip(cut_low) {
-        let cost = cost_before + prefix.cost(start, middle);
-        if cost < next[middle] {
-            next[middle] = cost;
-            cut[middle] = start;
-        }
-    }
-    let at = cut[middle];
-    fill(prefix, before, next, cut, (low, middle - 1), (cut_low, at.max(cut_low)));
-    fill(prefix, before, next, cut, (middle + 1, high), (at.max(cut_low), cut_high));
+/// The dynamic programme, layer by layer: one more cluster in each.
+struct Programme<'a> {
+    prefix: &'a Prefix,
+    /// By j: least cost of the first j points in the clusters so far.
+    before: Vec<f64>,
+    /// The same with one more.
+    next: Vec<f64>,
+    /// By layer, by j: where the last cluster starts.
+    cuts: Vec<usize>,
+    costs: Vec<f64>,
+    /// After the last layer only what all points cost is asked for.
+    is_last: bool,
 }
 
-fn trace_back(cuts: &[Vec<usize>], n: usize) -> Vec<usize> {
-    let mut starts = Vec::with_capacity(cuts.len());
+impl Programme<'_> {
+    fn layer(&mut self, k: usize, n: usize) {
+        self.cuts.resize(k * (n + 1), 0);
+        self.next[..k].fill(f64::INFINITY);
+        self.fill((k - 1) * (n + 1), (k, n), (k - 1, n - 1));
+        std::mem::swap(&mut self.before, &mut self.next);
+    }
+
+    /// Fills a layer, whose cuts begin at `row`: the best cut never moves back as the end moves on.
+    fn fill(
+        &mut self,
+        row: usize,
+        (mut low, high): (usize, usize),
+        (mut cut_low, cut_high): (usize, usize),
+    ) {
+        while low <= high {
+            let middle = low.midpoint(high);
+            let end = cut_high.min(middle - 1) + 1;
+            self.prefix.costs(cut_low..end, middle, &self.before, &mut self.costs);
+            let (mut least, mut at) = (f64::INFINITY, 0);
+            for (start, &cost) in (cut_low..).zip(&self.costs) {
+                if cost < least {
+                    (least, at) = (cost, start);
+                }
+            }
+            self.next[middle] = least;
+            self.cuts[row + middle] = at;
+            if !self.is_last {
+                self.fill(row, (low, middle - 1), (cut_low, at.max(cut_low)));
+            }
+            (low, cut_low) = (middle + 1, at.max(cut_low));
+        }
+    }
+}
+
+fn trace_back(cuts: &[usize], n: usize) -> Vec<usize> {
+    let mut starts = Vec::with_capacity(CLUSTERS_AT_MOST);
     let mut end = n;
-    for cut in cuts.iter().rev() {
+    for cut in cuts.chunks(n + 1).rev() {
         end = cut[end];
         starts.push(end);
     }

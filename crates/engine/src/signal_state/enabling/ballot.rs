@@ -3,289 +3,311 @@
 
 use prefetch_index::prefetch_index;
 
-use crate::log::{Nanoseconds, SECOND};
-use crate::plant::SignalClass;
+use crate::log::Nanoseconds;
 use crate::signal_state::states::StateId;
 
-use super::happenings::{Happenings, Passed};
-use super::window;
+use super::election::{Election, LOOK_BACK};
+use super::happenings::Happenings;
+use super::meetings::{VOTERS, Window, ago, are_steady, densest, may_be_steady, meeting};
 
-/// Instances that vote; one bit each.
-pub(super) const VOTERS: usize = 32;
-const VOTER_BITS: u32 = VOTERS.ilog2();
-/// Events of the group a voter looks back over.
-const LOOK_BACK: usize = 48;
+/// Room for the meetings of a state: an odd number lets the first of many states share the cache.
+const ROOM: usize = VOTERS + 1;
 /// Each partner of a join must explain at least this share alone.
 const PARTNER: f64 = 0.08;
 
-/// One transition looks for what it waits for.
-pub(super) struct Election<'a> {
-    /// Its instances, ascending, and what they took since the device's own last event.
-    pub(super) instances: &'a [u32],
-    pub(super) own_s: &'a [f64],
-    /// The states it leads from and to.
-    pub(super) current: StateId,
-    pub(super) next: StateId,
-    /// Delays that agree within this are steady, in seconds.
-    pub(super) steady: f64,
-    /// Those that agree within this differ by no more than scans do.
-    pub(super) close: f64,
-}
-
-/// Voters that met a state at nearly one distance, and the least and greatest of those distances
-/// in seconds.
-pub(super) type Window = (u32, (f64, f64));
-
 /// A candidate after the vote.
+#[derive(Clone)]
 pub(super) struct Candidate {
     pub(super) state: StateId,
     /// How many voters met it.
     pub(super) met: u32,
     /// Those that met it at one steady distance.
-    pub(super) mask: u32,
-    /// Least and greatest of those distances, in seconds.
-    pub(super) window: (f64, f64),
+    pub(super) steady: Window,
     /// The same within the width that scans alone explain: what partners of a join share.
     pub(super) close: Window,
 }
 
-/// A state, and a voter that met it some time ago.
-#[derive(Clone, Copy)]
-struct Meeting {
-    state: StateId,
-    /// How long ago, and the voter in the low bits: numbers sort several times faster.
-    key: u64,
+/// A candidate that may lead a join, as states that few have met are held against it.
+pub(super) struct Leader {
+    pub(super) voters: u32,
+    /// So many of the others another state must explain.
+    pub(super) lacks: usize,
+    /// The distances at which it can, in nanoseconds.
+    pub(super) reach: std::ops::RangeInclusive<u64>,
 }
 
-fn ago(meeting: u64) -> u64 {
-    meeting >> VOTER_BITS
-}
-
-fn voter(meeting: u64) -> u32 {
-    meeting as u32 & (VOTERS as u32 - 1)
-}
-
-/// How often a state was met in a vote.
+/// Who met a state last in a vote.
 #[derive(Clone, Copy, Default)]
 struct Tally {
-    /// The last that met it: voters are numbered through all votes, from 1.
+    /// Voters are numbered through all votes, from 1.
     by: u32,
-    votes: u32,
+    /// The state's place among those that were met.
+    at: u32,
 }
 
 /// Counts votes; its tables are kept from one vote to the next.
 pub(super) struct Ballot {
-    /// Per state.
+    /// By state.
     tallies: Vec<Tally>,
-    /// The last voter.
+    /// The last voter, and the first one of this vote.
     voter: u32,
-    meetings: Vec<Meeting>,
+    first: u32,
+    /// The states that were met, how many there are, and how many met each.
     met: Vec<StateId>,
-    sorted: Vec<u64>,
+    number: usize,
+    votes: Vec<u8>,
+    /// Their meetings, with room for one with each voter.
+    meetings: Vec<u64>,
+    near: Vec<StateId>,
 }
 
 impl Ballot {
-    pub(super) fn of(index: &Happenings<'_>) -> Self {
+    /// Among so many states.
+    pub(super) fn new(states: usize) -> Self {
         Self {
-            tallies: vec![Tally::default(); index.states.len()],
+            tallies: vec![Tally::default(); states],
             voter: 0,
-            meetings: Vec::new(),
+            first: 1,
             met: Vec::new(),
-            sorted: Vec::new(),
+            number: 0,
+            votes: Vec::new(),
+            meetings: Vec::new(),
+            near: Vec::new(),
         }
     }
 
-    /// Whether some state but the own last event's is met by so many of the voters at one steady
-    /// distance. Most transitions wait for nothing: this is most of the search, and asks for little.
+    /// Opens a vote: whether some state but the own last event's is met by so many of the first
+    /// few voters at one steady distance. Most transitions wait for nothing: this is most of the
+    /// search, and asks for little.
     pub(super) fn promises(
         &mut self,
-        index: &Happenings<'_>,
+        index: Happenings<'_>,
         election: &Election<'_>,
-        (voters, enough): (usize, u32),
+        (screeners, enough): (usize, usize),
     ) -> bool {
-        self.ask(index, election, voters);
-        self.count(election.current, enough);
-        let mut start = 0;
-        for &state in &self.met {
-            let end = self.tallies[state as usize].votes as usize;
-            let meetings = &mut self.sorted[start..end];
-            start = end;
-            if state == election.current || meetings.len() < enough as usize {
-                continue;
+        self.open();
+        self.ask(index, election, screeners_of(election, screeners));
+        (0..self.number).any(|at| {
+            let state = self.met[at];
+            if usize::from(self.votes[at]) < enough || state == election.current {
+                return false;
             }
-            meetings.sort_unstable();
-            if may_enable(index, state, election.next, meetings)
-                && densest(meetings, election.steady)
-                    .is_some_and(|(mask, _)| mask.count_ones() >= enough)
-            {
-                return true;
-            }
-        }
-        false
+            let meetings = self.meetings_of(at);
+            are_steady(meetings, election.steady, enough)
+                && may_enable(index, state, election.next, meetings)
+        })
     }
 
-    /// Lets a sample of the instances look back; the own last event always stands for election.
-    pub(super) fn vote(
+    /// Lets the voters vote that have not yet, after so many screeners.
+    pub(super) fn complete(
         &mut self,
-        index: &Happenings<'_>,
+        index: Happenings<'_>,
         election: &Election<'_>,
-        voters: usize,
+        screeners: usize,
+    ) {
+        let mut asked = screeners_of(election, screeners).peekable();
+        let others = (0..election.voters()).filter(|voter| asked.next_if_eq(voter).is_none());
+        self.ask(index, election, others.collect::<Vec<_>>().into_iter());
+    }
+
+    /// Lets all voters vote.
+    pub(super) fn vote(&mut self, index: Happenings<'_>, election: &Election<'_>) {
+        self.open();
+        self.ask(index, election, 0..election.voters());
+    }
+
+    /// The candidates that so many have met at one steady distance, or at any distance so many as
+    /// `anywhere`, by state; the own last event always stands for election.
+    pub(super) fn candidates(
+        &mut self,
+        index: Happenings<'_>,
+        election: &Election<'_>,
+        steadily: u32,
+        anywhere: u32,
     ) -> Vec<Candidate> {
-        self.ask(index, election, voters);
-        let least = (PARTNER * voters as f64).ceil() as u32;
-        self.count(election.current, least);
         let mut candidates = Vec::new();
-        let mut start = 0;
-        for &state in &self.met {
-            let end = self.tallies[state as usize].votes as usize;
-            let meetings = &mut self.sorted[start..end];
-            start = end;
-            meetings.sort_unstable();
-            if may_enable(index, state, election.next, meetings)
-                && let Some((mask, window)) = densest(meetings, election.steady)
-                && let Some(close) = densest(meetings, election.close.min(election.steady))
-                && (mask.count_ones() >= least || state == election.current)
-            {
-                let met = meetings.len() as u32;
-                candidates.push(Candidate { state, met, mask, window, close });
+        for at in 0..self.number {
+            let votes = u32::from(self.votes[at]);
+            let is_worth = votes >= anywhere
+                || votes >= steadily
+                    && may_be_steady(self.meetings_of(at), election.steady, steadily as usize);
+            if is_worth || self.met[at] == election.current {
+                candidates.extend(self.candidate(index, election, at));
             }
         }
+        candidates.sort_unstable_by_key(|candidate| candidate.state);
         candidates
     }
 
-    /// All voters look back, each at another place of a long log.
-    fn ask(&mut self, index: &Happenings<'_>, election: &Election<'_>, voters: usize) {
-        self.open(voters);
-        let sample = |voter: usize| voter * election.instances.len() / voters;
-        for voter in 0..voters {
-            let (group, place) = index.around(election.instances[sample(voter)]);
-            // Four events a cache line.
-            for back in [0, 4, 8] {
-                prefetch_index(group, place.saturating_sub(back));
+    /// Further candidates that perhaps enough of those have met that a leader lacks, within its
+    /// reach.
+    pub(super) fn followers(
+        &mut self,
+        index: Happenings<'_>,
+        election: &Election<'_>,
+        leaders: &[Leader],
+        candidates: &[Candidate],
+    ) -> Vec<Candidate> {
+        let mut states = Vec::new();
+        for leader in leaders {
+            self.near.clear();
+            let lacking = (0..election.voters()).filter(|voter| leader.voters >> voter & 1 == 0);
+            for voter in lacking {
+                self.near.extend(election.look(index, voter).within(&leader.reach));
             }
+            self.near.sort_unstable();
+            let often = self.near.chunk_by(|a, b| a == b).filter(|of| of.len() >= leader.lacks);
+            states.extend(often.map(|of| of[0]));
         }
-        for voter in 0..voters {
-            let at = sample(voter);
-            self.look_back(index, election, voter, at);
-        }
+        states.sort_unstable();
+        states.dedup();
+        let is_known =
+            |state: StateId| candidates.binary_search_by_key(&state, |known| known.state).is_ok();
+        states.retain(|state| *state != election.next && !is_known(*state));
+        let further = states.into_iter().filter_map(|state| {
+            let at = self.tallies[state as usize].at as usize;
+            self.candidate(index, election, at)
+        });
+        further.collect()
     }
 
-    fn open(&mut self, voters: usize) {
-        if self.voter >= u32::MAX - voters as u32 {
+    fn candidate(
+        &mut self,
+        index: Happenings<'_>,
+        election: &Election<'_>,
+        at: usize,
+    ) -> Option<Candidate> {
+        let (state, met) = (self.met[at], u32::from(self.votes[at]));
+        let least = (PARTNER * election.voters() as f64).ceil() as u32;
+        let is_own = state == election.current;
+        if met < least && !is_own {
+            return None;
+        }
+        let meetings = self.meetings_of(at);
+        meetings.sort_unstable();
+        if !may_enable(index, state, election.next, meetings) {
+            return None;
+        }
+        let steady = densest(meetings, election.steady)?;
+        let close = densest(meetings, election.close.min(election.steady))?;
+        (steady.votes() >= least || is_own).then_some(Candidate { state, met, steady, close })
+    }
+
+    fn meetings_of(&mut self, at: usize) -> &mut [u64] {
+        &mut self.meetings[at * ROOM..][..usize::from(self.votes[at])]
+    }
+
+    fn open(&mut self) {
+        if self.voter >= u32::MAX - VOTERS as u32 {
             self.tallies.fill(Tally::default());
             self.voter = 0;
         }
-        self.meetings.clear();
-        self.met.clear();
+        self.first = self.voter + 1;
+        self.votes[..self.number].fill(0);
+        self.number = 0;
+    }
+
+    fn ask(
+        &mut self,
+        index: Happenings<'_>,
+        election: &Election<'_>,
+        voters: impl Iterator<Item = usize> + Clone,
+    ) {
+        for voter in voters.clone() {
+            let place = election.instance(voter).place as usize;
+            // Four events a cache line.
+            for back in (0..=LOOK_BACK).step_by(4) {
+                prefetch_index(index.happenings, place.saturating_sub(back));
+            }
+        }
+        for voter in voters {
+            self.look_back(index, election, voter);
+        }
     }
 
     /// One voter: what happened while its device waited, latest first, each state once.
-    fn look_back(
-        &mut self,
-        index: &Happenings<'_>,
-        election: &Election<'_>,
-        voter: usize,
-        at: usize,
-    ) {
-        let instance = election.instances[at];
-        let here = index.happenings[instance as usize];
-        let (group, place) = index.around(instance);
-        let since = here.time - (election.own_s[at] * SECOND as f64).round() as Nanoseconds;
-        let first_voter = self.voter - voter as u32 + 1;
+    fn look_back(&mut self, index: Happenings<'_>, election: &Election<'_>, voter: usize) {
+        let look = election.look(index, voter);
+        self.make_room(1 + look.together.len() + LOOK_BACK);
         self.voter += 1;
-        let (by, next) = (self.voter, election.next);
-        let (tallies, meetings, met) = (&mut self.tallies, &mut self.meetings, &mut self.met);
-        let mut meet = |state: StateId, time: Nanoseconds| {
-            let tally = &mut tallies[state as usize];
-            if state == next || tally.by == by {
-                return;
-            }
-            if tally.by < first_voter {
-                tally.votes = 0;
-                met.push(state);
-            }
-            *tally = Tally { by, votes: tally.votes + 1 };
-            let ago = (here.time - time).max(0) as u64;
-            meetings.push(Meeting { state, key: ago << VOTER_BITS | voter as u64 });
+        let mut meet = Meet {
+            voter: (voter, self.voter, self.first),
+            now: look.now,
+            next: election.next,
+            number: self.number,
+            tallies: &mut self.tallies,
+            met: &mut self.met,
+            votes: &mut self.votes,
+            meetings: &mut self.meetings,
         };
-        meet(election.current, since);
-        // Of the same time, but later in the file: the order inside a scan means nothing.
-        for later in group[place + 1..].iter().take_while(|other| other.time == here.time) {
-            meet(later.state, later.time);
+        meet.state(election.current, look.since);
+        for other in look.together {
+            meet.state(other.state, other.time);
         }
-        let waited = |other: &&Passed| other.run == here.run && other.time >= since;
-        for earlier in group[..place].iter().rev().take(LOOK_BACK).take_while(waited) {
-            meet(earlier.state, earlier.time);
+        for other in look.earlier.iter().rev().take_while(|other| other.time >= look.since) {
+            meet.state(other.state, other.time);
         }
+        self.number = meet.number;
     }
 
-    /// Puts the meetings with the states that enough have met side by side, by state; a state's
-    /// tally says where they end.
-    fn count(&mut self, current: StateId, least: u32) {
-        let tallies = &mut self.tallies;
-        self.met.retain(|&state| tallies[state as usize].votes >= least || state == current);
-        self.met.sort_unstable();
-        // A state that does not stand has no place, wherever it was met.
-        let stands = u32::MAX;
-        let mut place = 0;
-        for &state in &self.met {
-            let tally = &mut tallies[state as usize];
-            let begin = place;
-            place += tally.votes;
-            *tally = Tally { by: stands, votes: begin };
-        }
-        self.sorted.clear();
-        self.sorted.resize(place as usize, 0);
-        for meeting in &self.meetings {
-            let tally = &mut tallies[meeting.state as usize];
-            if tally.by == stands {
-                self.sorted[tally.votes as usize] = meeting.key;
-                tally.votes += 1;
-            }
-        }
-        for &state in &self.met {
-            tallies[state as usize].by = 0;
+    /// For so many more states.
+    fn make_room(&mut self, states: usize) {
+        let number = self.number + states;
+        if self.met.len() < number {
+            self.met.resize(number, 0);
+            self.votes.resize(number, 0);
+            self.meetings.resize(number * ROOM, 0);
         }
     }
+}
+
+/// A voter on its way back.
+struct Meet<'a> {
+    /// Its number in this vote and in all, and that of the first of this vote.
+    voter: (usize, u32, u32),
+    now: Nanoseconds,
+    next: StateId,
+    number: usize,
+    tallies: &'a mut [Tally],
+    met: &'a mut [StateId],
+    votes: &'a mut [u8],
+    meetings: &'a mut [u64],
+}
+
+impl Meet<'_> {
+    #[inline(always)]
+    fn state(&mut self, state: StateId, time: Nanoseconds) {
+        let (voter, by, first) = self.voter;
+        let tally = &mut self.tallies[state as usize];
+        if state == self.next || tally.by == by {
+            return;
+        }
+        // Nobody can foretell which states are new: no branch.
+        let is_new = tally.by < first;
+        self.met[self.number] = state;
+        let at = if is_new { self.number } else { tally.at as usize };
+        self.number += usize::from(is_new);
+        *tally = Tally { by, at: at as u32 };
+        let votes = &mut self.votes[at];
+        self.meetings[at * ROOM + usize::from(*votes)] =
+            meeting((self.now - time).max(0) as u64, voter);
+        *votes += 1;
+    }
+}
+
+/// Voters whose instances are those that so many alone would have, had they asked by themselves.
+fn screeners_of(
+    election: &Election<'_>,
+    screeners: usize,
+) -> impl Iterator<Item = usize> + Clone + use<> {
+    let voters = election.voters();
+    (0..screeners).map(move |screener| screener * voters / screeners)
 }
 
 /// An event of the same instant may be the cause of ours only where an input enables an
 /// output; otherwise it may as well be its effect.
-fn may_enable(index: &Happenings<'_>, state: StateId, next: StateId, meetings: &[u64]) -> bool {
-    let class = |state| {
-        let (signal, _) = index.states.signal_value(state);
-        index.plant.signals[signal as usize].class
-    };
+fn may_enable(index: Happenings<'_>, state: StateId, next: StateId, meetings: &[u64]) -> bool {
     let together = meetings.iter().filter(|&&meeting| ago(meeting) == 0).count();
     together * 5 <= meetings.len()
-        || (class(state) != SignalClass::Output && class(next) == SignalClass::Output)
-}
-
-/// The window of width `steady` that holds most of the meetings, sorted by distance: its voters
-/// and ends.
-fn densest(meetings: &[u64], steady: f64) -> Option<Window> {
-    let steady = (steady * SECOND as f64) as u64;
-    let apart = |start: usize, end: usize| ago(meetings[end]) - ago(meetings[start]) > steady;
-    window::densest(meetings.len(), apart).map(|(start, end)| {
-        let mask = meetings[start..=end].iter().fold(0u32, |mask, &m| mask | 1 << voter(m));
-        (mask, (seconds(ago(meetings[start])), seconds(ago(meetings[end]))))
-    })
-}
-
-fn seconds(nanoseconds: u64) -> f64 {
-    nanoseconds as f64 / SECOND as f64
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn the_densest_window_names_its_voters() {
-        let met = |voter: u64, ms: u64| (ms * 1_000_000) << VOTER_BITS | voter;
-        let meetings = [met(3, 100), met(0, 110), met(2, 120), met(1, 7000)];
-        let (mask, (low, high)) = densest(&meetings, 0.05).unwrap_or_default();
-        assert_eq!(mask, 0b1101);
-        assert!((high - low - 0.02).abs() < 1e-9);
-    }
+        || (!index.is_output[state as usize] && index.is_output[next as usize])
 }

@@ -5,9 +5,10 @@
 
 use crate::signal_state::states::{NO_STATE, StateId};
 
-use super::ballot::{Election, VOTERS};
+use super::ballot::Ballot;
 use super::delays::{self, Wait};
-use super::{FINALISTS, GAIN, Search, window};
+use super::election::Election;
+use super::{Entry, FINALISTS, GAIN, Happenings, window};
 
 /// So many instances must be left, and the partner must explain this share of them.
 const LEFT_AT_LEAST: usize = 3;
@@ -17,7 +18,8 @@ const WIDTHS: f64 = 1.5;
 
 /// Sorted delays from the later of the trigger and its partner, and the two.
 pub(super) fn found(
-    search: &mut Search<'_>,
+    ballot: &mut Ballot,
+    index: Happenings<'_>,
     election: &Election<'_>,
     waits: &[Wait],
     [one, other]: [StateId; 2],
@@ -25,7 +27,7 @@ pub(super) fn found(
     if other != NO_STATE {
         return None;
     }
-    let delays = delays::of_each(search.index, waits, one);
+    let delays = delays::of_each(index, waits, one);
     let mut sorted: Vec<f64> = delays.iter().copied().filter(|d| d.is_finite()).collect();
     sorted.sort_unstable_by(f64::total_cmp);
     let (low, high) = most_within(&sorted, election.close)?;
@@ -34,21 +36,24 @@ pub(super) fn found(
     if left.len() < LEFT_AT_LEAST || left.len() * 3 > delays.len() * 2 {
         return None;
     }
-    let theirs: Vec<u32> = left.iter().map(|&at| election.instances[at]).collect();
-    let own: Vec<f64> = left.iter().map(|&at| election.own_s[at]).collect();
-    let of_left = Election { instances: &theirs, own_s: &own, steady: election.close, ..*election };
-    let voters = theirs.len().min(VOTERS);
-    let mut candidates = search.ballot.vote(search.index, &of_left, voters);
+    let theirs: Vec<Entry> = left.iter().map(|&at| election.instances[at]).collect();
+    let of_left = Election { instances: &theirs, steady: election.close, ..*election };
+    // Met at no steady distance, it is none.
+    let nowhere = u32::MAX;
+    let needed = (LEFT_EXPLAINED * of_left.voters() as f64).ceil() as u32;
+    ballot.vote(index, &of_left);
+    let mut candidates = ballot.candidates(index, &of_left, needed, nowhere);
     candidates.retain(|c| {
-        let (mask, (least, most)) = c.close;
+        let (least, most) = c.close.ends_s();
         c.state != one
-            && f64::from(mask.count_ones()) >= LEFT_EXPLAINED * voters as f64
+            && c.close.votes() >= needed
             && most.max(high) - least.min(low) <= WIDTHS * election.close
     });
-    candidates.sort_by_key(|c| std::cmp::Reverse(c.close.0.count_ones()));
+    candidates.sort_by_key(|c| std::cmp::Reverse(c.close.votes()));
+    let mut room = Vec::new();
     let joined = candidates.iter().take(FINALISTS).filter_map(|c| {
         let states = [one, c.state];
-        let delays = delays::sorted(search.index, waits, states)?;
+        let delays = delays::sorted(index, waits, states, &mut room)?;
         let (low, high) = most_within(&delays, election.close)?;
         let within = delays.iter().filter(|d| (low..=high).contains(*d)).count();
         let still_left = waits.len() - within;

@@ -7,12 +7,12 @@ pub(super) fn densest(
     apart: impl Fn(usize, usize) -> bool,
 ) -> Option<(usize, usize)> {
     let mut best: Option<(usize, usize)> = None;
+    // The window never shrinks: one that is no longer than the best found is of no interest.
     let mut start = 0;
     for end in 0..count {
-        while apart(start, end) {
+        if apart(start, end) {
             start += 1;
-        }
-        if best.is_none_or(|(s, e)| end - start > e - s) {
+        } else {
             best = Some((start, end));
         }
     }

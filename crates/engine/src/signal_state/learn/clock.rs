@@ -38,12 +38,26 @@ const OFF_GRID: f64 = 0.05;
 fn logger_resolution(logs: &[&ChangeLog]) -> Nanoseconds {
     let rows: usize = logs.iter().map(|log| log.len()).sum();
     let allowed = (OFF_GRID * rows as f64) as usize;
-    let fits = |grid: &Nanoseconds| {
-        let times = logs.iter().flat_map(|log| &log.time);
-        // A grid that does not fit is given up with the first row too many.
-        times.filter(|&&time| time % *grid != 0).nth(allowed).is_none()
-    };
-    GRIDS.into_iter().find(fits).unwrap_or(FINEST)
+    // Known grids are divided by several times faster.
+    let fits = [
+        fits::<{ GRIDS[0] }>,
+        fits::<{ GRIDS[1] }>,
+        fits::<{ GRIDS[2] }>,
+        fits::<{ GRIDS[3] }>,
+        fits::<{ GRIDS[4] }>,
+        fits::<{ GRIDS[5] }>,
+        fits::<{ GRIDS[6] }>,
+        fits::<{ GRIDS[7] }>,
+        fits::<{ GRIDS[8] }>,
+    ];
+    let of_grid = GRIDS.into_iter().zip(fits).find(|(_, fits)| fits(logs, allowed));
+    of_grid.map_or(FINEST, |(grid, _)| grid)
+}
+
+/// Whether no more than so many times lie off a grid, which is given up with the first too many.
+fn fits<const GRID: Nanoseconds>(logs: &[&ChangeLog], allowed: usize) -> bool {
+    let times = logs.iter().flat_map(|log| &log.time);
+    times.filter(|&&time| time % GRID != 0).nth(allowed).is_none()
 }
 
 /// Times by where they lie in their second: what [`resolution`] needs to know of rows that are

@@ -17,8 +17,9 @@ use crate::signal_state::states::{StateId, States};
 use crate::timing::Clusters;
 
 use super::context::Context;
-use super::reading::{self, Events};
-use super::{starting, teach};
+use super::reading::{self, Source};
+use super::starting;
+use super::teach::teach;
 
 /// Why rows cannot be learned from.
 #[derive(Debug, Clone, PartialEq, Eq, Error)]
@@ -186,15 +187,18 @@ impl Learner {
         let plant = &mut part.plant;
         let order = (parameters.timing == Timing::Adaptive).then(|| ScanOrder::of(plant));
         let mut states = States::new(plant.signals.len());
-        let runs = std::iter::once((&log, context.runs.as_slice()));
-        let Events { happenings, rows } =
-            reading::read_events(runs, plant, &mut states, order.as_ref());
+        let numbers: Vec<SignalIndex> = (0..plant.signals.len() as SignalIndex).collect();
+        let source = Source { log: &log, runs: &context.runs, numbers: &numbers };
+        let events = reading::read_events(&[source], plant, &mut states, order.as_ref());
         drop(log);
-        starting::set_first(plant, &happenings);
+        starting::set_first(plant, &events.first);
+        // The only group's.
+        let happenings = &events.groups[0].happenings;
         let first = |event: usize| {
             let happening = &happenings[event];
-            let place = rows.get(event).and_then(|&row| places.get(row as usize)).copied();
-            let rank = || context.rank(part.signals[happening.signal as usize]);
+            let place = events.rows.get(event).and_then(|&row| places.get(row as usize)).copied();
+            let (signal, _) = states.signal_value(happening.state);
+            let rank = || context.rank(part.signals[signal as usize]);
             (happening.time, place.unwrap_or_else(rank))
         };
         let mut seen = vec![None; states.further().len()];
@@ -204,19 +208,22 @@ impl Learner {
                 seen[beyond].get_or_insert_with(|| first(event));
             }
         }
-        let taught = teach(&happenings, plant, &states, parameters, context.resolution);
+        let taught = teach(&events, plant, &states, parameters, context.resolution);
         let further = states.further().iter().zip(seen);
         let rules = taught.rules.into_iter().zip(&taught.first);
         Lesson {
             group,
-            events: happenings.len() as u64,
+            events: u64::from(events.number),
             longest_pause: taught.longest_pause[0],
             group_start: taught.group_start[0],
             starting: plant.devices.iter().map(|device| device.starting).collect(),
             further: further
                 .map(|(&(signal, value), first)| (signal, value, first.unwrap_or_default()))
                 .collect(),
-            rules: rules.map(|(rule, &at)| LearnedRule::of(rule, first(at as usize))).collect(),
+            rules: rules
+                .into_iter()
+                .map(|(rule, at)| LearnedRule::of(rule, first(*at as usize)))
+                .collect(),
         }
     }
 }

@@ -2,25 +2,14 @@
 
 use crate::log::SignalIndex;
 use crate::plant::Plant;
-use crate::signal_state::enabling::Happening;
 use crate::signal_state::parameters::Parameters;
 
 use super::LearnError;
 
-/// The first signal of each device with an event stands for it, where nobody chose another.
-pub(super) fn set_first(plant: &mut Plant, events: &[Happening]) {
-    let device_of: Vec<u32> = plant.signals.iter().map(|signal| signal.device() as u32).collect();
-    let mut first = vec![SignalIndex::MAX; plant.devices.len()];
-    for event in events {
-        let first = &mut first[device_of[event.signal as usize] as usize];
-        if *first == SignalIndex::MAX {
-            *first = event.signal;
-        }
-    }
-    for (device, first) in plant.devices.iter_mut().zip(first) {
-        if first != SignalIndex::MAX {
-            device.starting.get_or_insert(first);
-        }
+/// The signal of each device's first event stands for it, where nobody chose another.
+pub(super) fn set_first(plant: &mut Plant, first: &[Option<SignalIndex>]) {
+    for (device, &first) in plant.devices.iter_mut().zip(first) {
+        device.starting = device.starting.or(first);
     }
 }
 
