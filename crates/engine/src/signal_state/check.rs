@@ -48,12 +48,12 @@ const AHEAD: usize = 8;
 pub fn departures(model: &NominalModel, group: usize, lanes: &Lanes) -> Vec<Departure> {
     let mut found: Vec<(u32, Departure)> = Vec::new();
     // Rules lie side by side as their lanes do; only what is found is put in order.
-    let checked = lanes.checked(group);
-    for (place, checked_here) in checked.iter().enumerate() {
-        fetch(model, &checked[place..]);
-        let rule = checked_here.rule();
+    let all = lanes.checked(group);
+    for (place, checked) in all.iter().enumerate() {
+        fetch(model, &all[place..]);
+        let rule = checked.rule();
         let sequence = model.rules[rule].sequence;
-        if checked_here.branches() {
+        if checked.branches() {
             found.extend(branch(model, rule, lanes).map(|departure| (sequence, departure)));
         }
         if lanes.count(rule) == 0 {

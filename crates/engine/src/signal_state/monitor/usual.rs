@@ -1,4 +1,4 @@
-//! The usual case, and the only one that must be fast: a signal flips, its chains know the
+//! The usual case, and the only one that must be fast: a boolean changes, its chains know the
 //! transition, and nothing departs. Nothing is changed before that is certain; whatever is not
 //! usual goes the long way through [`Monitor::take_next`], which comes to the same.
 
