@@ -50,12 +50,7 @@ impl PyFindings {
         py: Python<'py>,
         requested_schema: Option<Bound<'py, PyCapsule>>,
     ) -> PyResult<Bound<'py, PyCapsule>> {
-        let batch = py.detach(|| {
-            let mut findings = Vec::with_capacity(self.found.len());
-            let mut telling = self.found.telling();
-            while telling.tell_next(|said| findings.push(said.finding.clone())) {}
-            to_batch(&findings)
-        });
+        let batch = py.detach(|| to_batch(&self.found.findings()));
         stream::export(py, batch.map_err(errors::input)?, requested_schema)
     }
 

@@ -151,6 +151,11 @@ impl Found {
             };
             return self.records.into_iter().filter_map(whole).collect();
         }
+        self.findings()
+    }
+
+    /// Tells all, and keeps what they are told from.
+    pub fn findings(&self) -> Vec<Finding> {
         let mut findings = Vec::with_capacity(self.len());
         let mut telling = self.telling();
         while telling.tell_next(|said| findings.push(said.finding.clone())) {}
