@@ -29,3 +29,4 @@ pub mod snapshot;
 pub mod states;
 pub mod teller;
 pub mod telling;
+pub mod ways;

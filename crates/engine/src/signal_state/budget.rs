@@ -62,13 +62,15 @@ impl Budget {
             surest_first(chances, of * alarms).max(share(of, transitions)).min(MOST)
         };
         let a_day = |count: u64| count as f64 / days;
-        let leaving = table.rows().filter(|row| !row.is_empty()).map(|row| {
+        let leaving = table.rows().filter(|row| !row.is_empty()).flat_map(|row| {
             let (chain, state) = (rules[row.start].chain, rules[row.start].current);
-            let count = rules[row].iter().map(|rule| u64::from(rule.count)).sum();
-            Chance {
-                probability: evidence.unknown_transition(rules, table, names, (chain, state)),
-                a_day: a_day(count),
-            }
+            let a_day = a_day(rules[row].iter().map(|rule| u64::from(rule.count)).sum());
+            let [to_device, to_sisters] =
+                evidence.unknown_transitions(rules, table, names, (chain, state));
+            let chance = |probability| Chance { probability, a_day };
+            // Of what is new to a device, its sisters may know some.
+            let rarer = (to_sisters < to_device).then(|| chance(to_sisters));
+            rarer.into_iter().chain([chance(to_device)])
         });
         // What a group's chain takes says nothing that its devices' do not.
         let timed = rules.iter().filter(|rule| chains.kind(rule.chain) == ChainKind::Device);

@@ -8,6 +8,7 @@
 use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use crate::log::SignalIndex;
 use crate::timing::TimeCluster;
 use crate::timing::limits::BODY_INSTANCES;
 use crate::timing::shape::Shapes;
@@ -18,6 +19,7 @@ use super::rules::{Rule, RuleTable, row_of};
 use super::shares::{FirstSeenByCount, SharesBySisters};
 use super::sisters::{Family, Names};
 use super::states::StateId;
+use super::ways::Ways;
 
 /// What a transition's time is made of. The rare times of one say nothing about the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -53,6 +55,25 @@ impl Character {
         } else {
             Self::OpenWait
         }
+    }
+}
+
+/// To whom a way of leaving a state is new.
+#[derive(Debug, Clone, Copy)]
+enum Novelty {
+    ToDevice,
+    ToSisters,
+}
+
+impl Novelty {
+    /// True where a rule was once such a novelty, and its kind never came again; `taken` says how
+    /// often sisters took it.
+    fn is_odd(self, rule: &Rule, taken: impl Fn() -> Option<u64>) -> bool {
+        rule.evidence() == 1
+            && match self {
+                Self::ToDevice => true,
+                Self::ToSisters => taken() == Some(1),
+            }
     }
 }
 
@@ -115,8 +136,12 @@ pub struct Evidence {
 /// What a whole plant tells.
 #[derive(Debug)]
 struct OfPlant {
-    /// Of leaving a state: in devices, in groups.
-    leaving: [Oddity; 2],
+    /// Of leaving a state in a way new to a device, and in one new to its sisters too.
+    of_devices: [Oddity; 2],
+    /// Of leaving a state in a group's chain.
+    of_groups: Oddity,
+    /// Of devices.
+    ways: Ways,
     /// By character.
     times: [Oddity; 3],
     /// Of what is explained, and of open waits.
@@ -135,14 +160,22 @@ impl Evidence {
         let characters: Vec<Character> =
             rules.iter().map(|rule| Character::of(rule, resolution_s)).collect();
         let families: Vec<Family> = rules.iter().map(|rule| names.of_rule(rule)).collect();
-        let leaving = [ChainKind::Device, ChainKind::Group].map(|kind| {
-            let of_kind = rules.iter().filter(|rule| names.chains.kind(rule.chain) == kind);
-            Oddity::of_programs(of_kind.map(|rule| {
-                let once = f64::from(rule.evidence() == 1);
+        let of_kind = |kind| {
+            let rules = rules.iter().zip(&families);
+            rules.filter(move |(rule, _)| names.chains.kind(rule.chain) == kind)
+        };
+        let ways = Ways::of(of_kind(ChainKind::Device).map(|(rule, &way)| (way, rule.evidence())));
+        let leaving = |kind, odd: &dyn Fn(&Rule, Family) -> bool| {
+            Oddity::of_programs(of_kind(kind).map(|(rule, &way)| {
+                let once = f64::from(odd(rule, way));
                 let tally = Tally { once, kinds: once, draws: rule.evidence() as f64 };
                 (rule.chain, names.of_state(rule.current, kind), tally)
             }))
+        };
+        let of_devices = [Novelty::ToDevice, Novelty::ToSisters].map(|novelty| {
+            leaving(ChainKind::Device, &|rule, way| novelty.is_odd(rule, || ways.taken(way)))
         });
+        let of_groups = leaving(ChainKind::Group, &|rule, _| rule.evidence() == 1);
         let of = |character| {
             let rules = rules.iter().zip(&characters).zip(&families);
             // What a group's chain takes says nothing that its devices' do not.
@@ -178,7 +211,16 @@ impl Evidence {
             };
             clusters.into_iter().filter_map(weight).collect()
         });
-        let of_plant = OfPlant { leaving, times, shares, shapes, of_families, resolution_s };
+        let of_plant = OfPlant {
+            of_devices,
+            of_groups,
+            ways,
+            times,
+            shares,
+            shapes,
+            of_families,
+            resolution_s,
+        };
         Self { of_plant: Arc::new(of_plant), whole_chain: None }
     }
 
@@ -191,23 +233,46 @@ impl Evidence {
         self.whole_chain.as_ref().map_or(chain, |whole| whole[chain])
     }
 
-    /// Probability that a healthy machine leaves `state` in a way not seen yet.
+    /// Probability that a healthy machine leaves `state` for a signal's value `next`, which it
+    /// never did: in any way new to its device where sisters know this one, else in one new to them
+    /// all.
     pub fn unknown_transition(
         &self,
         rules: &[Rule],
         table: &RuleTable,
         names: Names<'_>,
-        (chain, state): (ChainIndex, StateId),
+        (chain, state, next): (ChainIndex, StateId, (SignalIndex, i64)),
     ) -> f64 {
+        let [to_device, to_sisters] = self.unknown_transitions(rules, table, names, (chain, state));
+        let way = names.of_transition(state, next, names.chains.kind(chain));
+        if self.of_plant.ways.taken(way).is_some() { to_device } else { to_sisters }
+    }
+
+    /// Probabilities that a healthy machine leaves `state` in a way not seen yet: in its device,
+    /// and in any of its sisters either.
+    pub fn unknown_transitions(
+        &self,
+        rules: &[Rule],
+        table: &RuleTable,
+        names: Names<'_>,
+        (chain, state): (ChainIndex, StateId),
+    ) -> [f64; 2] {
         let kind = names.chains.kind(chain);
         let row = &rules[table.row(row_of(state, kind))];
-        let tally = Tally {
-            once: row.iter().filter(|rule| rule.evidence() == 1).count() as f64,
-            draws: row.iter().map(Rule::evidence).sum::<u64>() as f64,
-            ..Tally::default()
+        let unseen = |oddity: &Oddity, novelty: Novelty| {
+            let taken = |rule| self.of_plant.ways.taken(names.of_rule(rule));
+            let odd = row.iter().filter(|rule| novelty.is_odd(rule, || taken(rule)));
+            let once = odd.count() as f64;
+            let draws = row.iter().map(Rule::evidence).sum::<u64>() as f64;
+            let tally = Tally { once, draws, ..Tally::default() };
+            tally.unseen(oddity.at(self.whole(chain), names.of_state(state, kind)))
         };
-        let oddity = &self.of_plant.leaving[usize::from(kind == ChainKind::Group)];
-        tally.unseen(oddity.at(self.whole(chain), names.of_state(state, kind)))
+        if kind == ChainKind::Group {
+            return [unseen(&self.of_plant.of_groups, Novelty::ToDevice); 2];
+        }
+        let [of_device, of_sisters] = &self.of_plant.of_devices;
+        let to_device = unseen(of_device, Novelty::ToDevice);
+        [to_device, unseen(of_sisters, Novelty::ToSisters).min(to_device)]
     }
 
     /// True where a transition waits for something nobody knows, so that another device's delay

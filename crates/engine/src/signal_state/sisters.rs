@@ -42,9 +42,20 @@ pub fn stem(plant: &Plant, signal: SignalIndex) -> u64 {
 impl Names<'_> {
     /// The family of a transition.
     pub fn of_rule(&self, rule: &Rule) -> Family {
+        let next = self.states.signal_value(rule.next);
+        self.of_transition(rule.current, next, self.chains.kind(rule.chain))
+    }
+
+    /// The family of a transition to a signal's value, be it one never learned.
+    pub fn of_transition(
+        &self,
+        current: StateId,
+        next: (SignalIndex, i64),
+        kind: ChainKind,
+    ) -> Family {
         let mut hash = xxhash_rust::xxh3::Xxh3::new();
-        self.add(&mut hash, rule.current, self.chains.kind(rule.chain));
-        self.add(&mut hash, rule.next, self.chains.kind(rule.chain));
+        self.add(&mut hash, current, kind);
+        self.add_value(&mut hash, next, kind);
         hash.digest()
     }
 
@@ -60,7 +71,15 @@ impl Names<'_> {
         if state as usize >= self.states.len() {
             return;
         }
-        let (signal, value) = self.states.signal_value(state);
+        self.add_value(hash, self.states.signal_value(state), kind);
+    }
+
+    fn add_value(
+        &self,
+        hash: &mut xxhash_rust::xxh3::Xxh3,
+        (signal, value): (SignalIndex, i64),
+        kind: ChainKind,
+    ) {
         let stem = match self.stems.get(signal as usize) {
             Some(&stem) => stem,
             None => stem(self.plant, signal),

@@ -56,7 +56,8 @@ impl Monitor {
         let affordable = model.parameters.timing == Timing::Plat || {
             let Judgement { evidence, budget, .. } = model.judgement();
             let names = model.names();
-            evidence.unknown_transition(&model.rules, &model.table, names, (chain, from))
+            let way = (chain, from, self.teller().signal_value(to));
+            evidence.unknown_transition(&model.rules, &model.table, names, way)
                 <= budget.per_transition
         };
         let mut finding = self.teller().at(Kind::Transition, chain, to, time);
