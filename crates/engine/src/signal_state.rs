@@ -15,6 +15,7 @@ pub mod identity;
 pub mod incident;
 pub mod lanes;
 pub mod learn;
+pub mod leaving;
 pub mod message;
 pub mod model;
 pub mod monitor;

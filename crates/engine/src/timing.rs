@@ -6,6 +6,7 @@ pub mod csk_means;
 pub mod extremes;
 pub mod limits;
 pub mod optimal;
+pub mod pooled;
 pub mod shape;
 
 use serde::{Deserialize, Serialize};

@@ -11,15 +11,16 @@ use std::sync::Arc;
 use crate::log::SignalIndex;
 use crate::timing::TimeCluster;
 use crate::timing::limits::BODY_INSTANCES;
-use crate::timing::shape::Shapes;
+use crate::timing::pooled::Pooled;
+use crate::timing::shape::{SHAPE_INSTANCES, Shapes};
 
 use super::chains::{ChainIndex, ChainKind};
-use super::oddity::{Parts, Tally, of_plant};
+use super::leaving::Leaving;
+use super::oddity::{Oddity, Tally};
 use super::rules::{Rule, RuleTable, row_of};
 use super::shares::{FirstSeenByCount, SharesBySisters};
 use super::sisters::{Family, Names};
 use super::states::StateId;
-use super::ways::Ways;
 
 /// What a transition's time is made of. The rare times of one say nothing about the other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -58,73 +59,6 @@ impl Character {
     }
 }
 
-/// To whom a way of leaving a state is new.
-#[derive(Debug, Clone, Copy)]
-enum Novelty {
-    ToDevice,
-    ToSisters,
-}
-
-impl Novelty {
-    /// True where a rule was once such a novelty, and its kind never came again; `taken` says how
-    /// often sisters took it.
-    fn is_odd(self, rule: &Rule, taken: impl Fn() -> Option<u64>) -> bool {
-        rule.evidence() == 1
-            && match self {
-                Self::ToDevice => true,
-                Self::ToSisters => taken() == Some(1),
-            }
-    }
-}
-
-/// Unseen mass of a plant, of its devices and of its families of sisters.
-#[derive(Debug, Clone)]
-struct Oddity {
-    plant: f64,
-    chains: Parts<ChainIndex>,
-    families: Parts<Family>,
-    /// Of chains taken as programs of their own; empty where they are not.
-    own: BTreeMap<ChainIndex, f64>,
-}
-
-impl Oddity {
-    fn of(tallies: impl Iterator<Item = (ChainIndex, Family, Tally)>) -> Self {
-        Self::with_chains(tallies).0
-    }
-
-    /// Also the tallies of the chains.
-    fn with_chains(
-        tallies: impl Iterator<Item = (ChainIndex, Family, Tally)>,
-    ) -> (Self, BTreeMap<ChainIndex, Tally>) {
-        let mut chains: BTreeMap<ChainIndex, Tally> = BTreeMap::new();
-        let mut families: BTreeMap<Family, Tally> = BTreeMap::new();
-        for (chain, family, tally) in tallies {
-            chains.entry(chain).or_default().add(tally);
-            families.entry(family).or_default().add(tally);
-        }
-        let oddity = Self {
-            plant: of_plant(chains.values()),
-            chains: Parts::of(&chains),
-            families: Parts::of(&families),
-            own: BTreeMap::new(),
-        };
-        (oddity, chains)
-    }
-
-    /// Which way a device goes on is a program of its own: one that never did anything odd is taken
-    /// to be closed, whatever the rest of the plant does, and then the plant weighs one draw.
-    fn of_programs(tallies: impl Iterator<Item = (ChainIndex, Family, Tally)>) -> Self {
-        let (oddity, chains) = Self::with_chains(tallies);
-        let own = chains.into_iter().map(|(chain, tally)| (chain, tally.unseen(oddity.plant)));
-        Self { own: own.collect(), ..oddity }
-    }
-
-    fn at(&self, chain: ChainIndex, family: Family) -> f64 {
-        let alike = self.plant * self.chains.ratio(chain) * self.families.ratio(family);
-        self.own.get(&chain).map_or(alike, |&own| own.min(alike)).min(1.0)
-    }
-}
-
 /// Unseen mass per chain and family, from which that of states and rules follows.
 #[derive(Debug, Clone)]
 pub struct Evidence {
@@ -136,12 +70,7 @@ pub struct Evidence {
 /// What a whole plant tells.
 #[derive(Debug)]
 struct OfPlant {
-    /// Of leaving a state in a way new to a device, and in one new to its sisters too.
-    of_devices: [Oddity; 2],
-    /// Of leaving a state in a group's chain.
-    of_groups: Oddity,
-    /// Of devices.
-    ways: Ways,
+    leaving: Leaving,
     /// By character.
     times: [Oddity; 3],
     /// Of what is explained, and of open waits.
@@ -150,6 +79,8 @@ struct OfPlant {
     shapes: [Shapes; 3],
     /// Weight of exponential tails in families that tell, by character; sorted.
     of_families: [Box<[(Family, f64)]>; 3],
+    /// What families of enough sisters show together, by character; sorted.
+    pooled: [Box<[(Family, Pooled)]>; 3],
     resolution_s: f64,
 }
 
@@ -160,22 +91,7 @@ impl Evidence {
         let characters: Vec<Character> =
             rules.iter().map(|rule| Character::of(rule, resolution_s)).collect();
         let families: Vec<Family> = rules.iter().map(|rule| names.of_rule(rule)).collect();
-        let of_kind = |kind| {
-            let rules = rules.iter().zip(&families);
-            rules.filter(move |(rule, _)| names.chains.kind(rule.chain) == kind)
-        };
-        let ways = Ways::of(of_kind(ChainKind::Device).map(|(rule, &way)| (way, rule.evidence())));
-        let leaving = |kind, odd: &dyn Fn(&Rule, Family) -> bool| {
-            Oddity::of_programs(of_kind(kind).map(|(rule, &way)| {
-                let once = f64::from(odd(rule, way));
-                let tally = Tally { once, kinds: once, draws: rule.evidence() as f64 };
-                (rule.chain, names.of_state(rule.current, kind), tally)
-            }))
-        };
-        let of_devices = [Novelty::ToDevice, Novelty::ToSisters].map(|novelty| {
-            leaving(ChainKind::Device, &|rule, way| novelty.is_odd(rule, || ways.taken(way)))
-        });
-        let of_groups = leaving(ChainKind::Group, &|rule, _| rule.evidence() == 1);
+        let leaving = Leaving::of(rules, &families, names);
         let of = |character| {
             let rules = rules.iter().zip(&characters).zip(&families);
             // What a group's chain takes says nothing that its devices' do not.
@@ -200,27 +116,32 @@ impl Evidence {
         let shapes = CHARACTERS.map(|character| {
             Shapes::of(of(character).flat_map(|((rule, _), _)| rule.judged()), resolution_s)
         });
-        let of_families = CHARACTERS.map(|character| {
+        let families = CHARACTERS.map(|character| {
             let mut clusters: BTreeMap<Family, Vec<&TimeCluster>> = BTreeMap::new();
             for ((rule, _), &family) in of(character) {
                 clusters.entry(family).or_default().extend(rule.judged());
             }
-            let of_all = &shapes[character as usize];
-            let weight = |(family, clusters): (Family, Vec<&TimeCluster>)| {
-                of_all.of_family(clusters.into_iter()).map(|weight| (family, weight))
-            };
-            clusters.into_iter().filter_map(weight).collect()
+            clusters
         });
-        let of_plant = OfPlant {
-            of_devices,
-            of_groups,
-            ways,
-            times,
-            shares,
-            shapes,
-            of_families,
-            resolution_s,
-        };
+        let of_families = CHARACTERS.map(|character| {
+            let of_all = &shapes[character as usize];
+            let weight = |(&family, clusters): (&Family, &Vec<&TimeCluster>)| {
+                let weight = of_all.of_family(clusters.iter().copied());
+                weight.map(|weight| (family, weight))
+            };
+            families[character as usize].iter().filter_map(weight).collect()
+        });
+        let pooled = CHARACTERS.map(|character| {
+            let together = |(&family, clusters): (&Family, &Vec<&TimeCluster>)| {
+                // Only what is too small to tell its own shape is ever asked for.
+                let asked = clusters.iter().any(|cluster| cluster.instances < SHAPE_INSTANCES);
+                let pooled = || Pooled::of(clusters.iter().copied(), resolution_s);
+                asked.then(pooled).flatten().map(|pooled| (family, pooled))
+            };
+            families[character as usize].iter().filter_map(together).collect()
+        });
+        let of_plant =
+            OfPlant { leaving, times, shares, shapes, of_families, pooled, resolution_s };
         Self { of_plant: Arc::new(of_plant), whole_chain: None }
     }
 
@@ -243,9 +164,9 @@ impl Evidence {
         names: Names<'_>,
         (chain, state, next): (ChainIndex, StateId, (SignalIndex, i64)),
     ) -> f64 {
-        let [to_device, to_sisters] = self.unknown_transitions(rules, table, names, (chain, state));
-        let way = names.of_transition(state, next, names.chains.kind(chain));
-        if self.of_plant.ways.taken(way).is_some() { to_device } else { to_sisters }
+        let whole = self.whole(chain);
+        let row = &rules[table.row(row_of(state, names.chains.kind(chain)))];
+        self.of_plant.leaving.unknown(row, names, (chain, whole, state), next)
     }
 
     /// Probabilities that a healthy machine leaves `state` in a way not seen yet: in its device,
@@ -257,22 +178,9 @@ impl Evidence {
         names: Names<'_>,
         (chain, state): (ChainIndex, StateId),
     ) -> [f64; 2] {
-        let kind = names.chains.kind(chain);
-        let row = &rules[table.row(row_of(state, kind))];
-        let unseen = |oddity: &Oddity, novelty: Novelty| {
-            let taken = |rule| self.of_plant.ways.taken(names.of_rule(rule));
-            let odd = row.iter().filter(|rule| novelty.is_odd(rule, || taken(rule)));
-            let once = odd.count() as f64;
-            let draws = row.iter().map(Rule::evidence).sum::<u64>() as f64;
-            let tally = Tally { once, draws, ..Tally::default() };
-            tally.unseen(oddity.at(self.whole(chain), names.of_state(state, kind)))
-        };
-        if kind == ChainKind::Group {
-            return [unseen(&self.of_plant.of_groups, Novelty::ToDevice); 2];
-        }
-        let [of_device, of_sisters] = &self.of_plant.of_devices;
-        let to_device = unseen(of_device, Novelty::ToDevice);
-        [to_device, unseen(of_sisters, Novelty::ToSisters).min(to_device)]
+        let whole = self.whole(chain);
+        let row = &rules[table.row(row_of(state, names.chains.kind(chain)))];
+        self.of_plant.leaving.unseen(row, names, (chain, whole, state))
     }
 
     /// True where a transition waits for something nobody knows, so that another device's delay
@@ -324,14 +232,20 @@ impl Evidence {
         let of_plant = &self.of_plant;
         let (shapes, of_families) = (&of_plant.shapes[character], &of_plant.of_families[character]);
         let family = names.of_rule(rule);
-        let found = of_families.binary_search_by_key(&family, |&(family, _)| family);
-        found.map_or(*shapes, |at| shapes.weighted(of_families[at].1))
+        let weight = of_family(of_families, family);
+        let shapes = weight.map_or(*shapes, |&weight| shapes.weighted(weight));
+        shapes.like(of_family(&of_plant.pooled[character], family).copied())
     }
 
     /// Shapes of times since the device's own event where another's enables it.
     pub fn shapes_without_trigger(&self) -> &Shapes {
         &self.of_plant.shapes[Character::OpenWait as usize]
     }
+}
+
+fn of_family<T>(of_families: &[(Family, T)], family: Family) -> Option<&T> {
+    let found = of_families.binary_search_by_key(&family, |&(family, _)| family);
+    found.ok().map(|at| &of_families[at].1)
 }
 
 /// Instances in clusters too small to be a usual time.

@@ -10,6 +10,9 @@
 // Ordered maps: sums must not depend on the order in which a table happens to lie.
 use std::collections::BTreeMap;
 
+use super::chains::ChainIndex;
+use super::sisters::Family;
+
 /// What a plant with no evidence at all is taken to hide: one half of one kind.
 const PRIOR_ONCE: f64 = 0.5;
 
@@ -70,10 +73,60 @@ impl<Part: Copy + Ord> Parts<Part> {
 }
 
 /// Unseen mass of a plant as a whole.
-pub fn of_plant<'a>(tallies: impl Iterator<Item = &'a Tally>) -> f64 {
+fn of_plant<'a>(tallies: impl Iterator<Item = &'a Tally>) -> f64 {
     let mut sum = Tally::default();
     tallies.for_each(|tally| sum.add(*tally));
     sum.unseen(PRIOR_ONCE)
+}
+
+/// Unseen mass of a plant, of its devices and of its families of sisters.
+#[derive(Debug, Clone)]
+pub struct Oddity {
+    plant: f64,
+    chains: Parts<ChainIndex>,
+    families: Parts<Family>,
+    /// Of chains taken as programs of their own; empty where they are not.
+    own: BTreeMap<ChainIndex, f64>,
+}
+
+impl Oddity {
+    /// Of what is drawn in chains and families.
+    pub fn of(tallies: impl Iterator<Item = (ChainIndex, Family, Tally)>) -> Self {
+        Self::with_chains(tallies).0
+    }
+
+    /// Also the tallies of the chains.
+    fn with_chains(
+        tallies: impl Iterator<Item = (ChainIndex, Family, Tally)>,
+    ) -> (Self, BTreeMap<ChainIndex, Tally>) {
+        let mut chains: BTreeMap<ChainIndex, Tally> = BTreeMap::new();
+        let mut families: BTreeMap<Family, Tally> = BTreeMap::new();
+        for (chain, family, tally) in tallies {
+            chains.entry(chain).or_default().add(tally);
+            families.entry(family).or_default().add(tally);
+        }
+        let oddity = Self {
+            plant: of_plant(chains.values()),
+            chains: Parts::of(&chains),
+            families: Parts::of(&families),
+            own: BTreeMap::new(),
+        };
+        (oddity, chains)
+    }
+
+    /// Which way a device goes on is a program of its own: one that never did anything odd is taken
+    /// to be closed, whatever the rest of the plant does, and then the plant weighs one draw.
+    pub fn of_programs(tallies: impl Iterator<Item = (ChainIndex, Family, Tally)>) -> Self {
+        let (oddity, chains) = Self::with_chains(tallies);
+        let own = chains.into_iter().map(|(chain, tally)| (chain, tally.unseen(oddity.plant)));
+        Self { own: own.collect(), ..oddity }
+    }
+
+    /// What one draw of a family in a chain tells.
+    pub fn at(&self, chain: ChainIndex, family: Family) -> f64 {
+        let alike = self.plant * self.chains.ratio(chain) * self.families.ratio(family);
+        self.own.get(&chain).map_or(alike, |&own| own.min(alike)).min(1.0)
+    }
 }
 
 #[cfg(test)]

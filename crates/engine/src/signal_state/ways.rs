@@ -1,7 +1,5 @@
 //! Ways on that a make of devices takes: what is news to one gun may be known from the others.
 
-use std::collections::BTreeMap;
-
 use super::sisters::Family;
 
 /// How often each transition was taken, by all sisters together.
@@ -14,11 +12,14 @@ pub struct Ways {
 impl Ways {
     /// From every rule's family and evidence.
     pub fn of(rules: impl Iterator<Item = (Family, u64)>) -> Self {
-        let mut taken: BTreeMap<Family, u64> = BTreeMap::new();
-        for (family, evidence) in rules {
-            *taken.entry(family).or_default() += evidence;
-        }
-        Self { taken: taken.into_iter().collect() }
+        let mut taken: Vec<(Family, u64)> = rules.collect();
+        taken.sort_unstable();
+        taken.dedup_by(|next, kept| {
+            let alike = next.0 == kept.0;
+            kept.1 += if alike { next.1 } else { 0 };
+            alike
+        });
+        Self { taken: taken.into() }
     }
 
     /// How often sisters took a transition; none where it is a rule of no sister, not even of how

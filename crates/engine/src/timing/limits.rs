@@ -76,7 +76,10 @@ pub fn adaptive(
                     return extreme + scale;
                 }
                 if exponential >= 1.0 {
-                    return extreme + lomax_margin(instances, scale, tail.alpha);
+                    let alone = extreme + lomax_margin(instances, scale, tail.alpha);
+                    let pooled = shapes.pooled(cluster);
+                    let alike = pooled.map(|pooled| pooled.reach(cluster, side, tail.alpha));
+                    return alike.map_or(alone, |alike| alone.min(alike.max(extreme + scale)));
                 }
                 let alpha = (tail.alpha / (2.0 * exponential)).min(1.0);
                 // The nearer of the two: a few clusters that are two times in one would otherwise

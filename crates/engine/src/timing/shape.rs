@@ -8,6 +8,7 @@
 
 use super::TimeCluster;
 use super::extremes::{Extremes, Side};
+use super::pooled::Pooled;
 
 /// Instances from which a cluster says something of its shape.
 pub const SHAPE_INSTANCES: u32 = 20;
@@ -32,6 +33,8 @@ pub struct Shapes {
     bounded_gini: f64,
     /// How far bounded times reach, early and late: in clusters of few, and of many instances.
     extremes: [[Option<Extremes>; 2]; 2],
+    /// What like motions show together.
+    pooled: Option<Pooled>,
     resolution_s: f64,
 }
 
@@ -44,6 +47,7 @@ impl Shapes {
             exponential: 1.0,
             bounded_gini: BOUNDED_AT_MOST,
             extremes: [[None; 2]; 2],
+            pooled: None,
             resolution_s,
         };
         if telling.is_empty() {
@@ -88,6 +92,16 @@ impl Shapes {
     /// The same shapes, exponential ones of this weight.
     pub fn weighted(&self, exponential: f64) -> Self {
         Self { exponential, ..*self }
+    }
+
+    /// The same shapes, of motions that are like others.
+    pub fn like(&self, pooled: Option<Pooled>) -> Self {
+        Self { pooled, ..*self }
+    }
+
+    /// What like motions show for a cluster too small to tell its own shape.
+    pub fn pooled(&self, cluster: &TimeCluster) -> Option<&Pooled> {
+        self.pooled.as_ref().filter(|_| cluster.instances < SHAPE_INSTANCES)
     }
 
     /// How far bounded times of a cluster of so many instances reach on a side, where the plant
