@@ -171,12 +171,28 @@ def test_how_long_a_transition_took(client: TestClient) -> None:
         "next": rule["next"],
         "source": ids(client)["nominal.csv"],
     }
-    times = client.get(f"/api/models/{model['id']}/times", params=query).json()["times"]
-    took = [seconds for _, seconds in times]
+    told = client.get(f"/api/models/{model['id']}/times", params=query).json()
+    assert told["known"]
+    took = [seconds for _, seconds in told["times"]]
     # The first row of a signal only says how it stood.
     assert len(took) in {rule["count"], rule["count"] - 1}
     assert min(took) >= rule["minimum_s"] - 1e-6
     assert max(took) <= rule["maximum_s"] + 1e-6
+
+
+def test_a_log_of_another_machine_knows_no_transition_of_this_one(
+    client: TestClient, directory: Path
+) -> None:
+    (directory / "another.csv").write_text(
+        "time,signal,value\n2026-01-01T00:00:00Z,Line9-Press-DOWN,1\n"
+        "2026-01-01T00:00:01Z,Line9-Press-DOWN,0\n",
+        encoding="utf-8",
+    )
+    [model] = client.get("/api/models").json()
+    query = {"group": "Group1", "device": "PrtLDR", "source": ids(client)["another.csv"]}
+    query |= {"current": "Group1-PrtLDR-RET_ON", "next": "Group1-PrtLDR-RET_OFF"}
+    told = client.get(f"/api/models/{model['id']}/times", params=query).json()
+    assert told == {"source": "another.csv", "known": False, "times": []}
 
 
 def test_the_chain_of_a_group(client: TestClient) -> None:

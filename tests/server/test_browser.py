@@ -26,6 +26,10 @@ def seen(cell: Path, tmp_path_factory: pytest.TempPathFactory) -> Seen:
     os.utime(directory / "old.model" / "manifest.json", (0, 0))
     for name in ("symbols.csv", "nominal.csv"):
         shutil.copy(cell / name, directory)
+    # Of another machine, and before the cell's own in every list.
+    (directory / "another.csv").write_text(
+        "time,signal,value\n2026-01-01T00:00:00Z,Line9-Press-DOWN,1\n", encoding="utf-8"
+    )
     return asyncio.run(look(directory, "prt-chk-on-while-returning", "page.mjs"))
 
 
@@ -57,6 +61,7 @@ def test_every_view_is_worked_by_keyboard(seen: Seen) -> None:
     assert "nominal.csv" in seen["golden"]
     assert "not in here" not in seen["golden"]
     assert seen["charts"] == 2
+    assert seen["times_of"] == "nominal.csv"
     assert seen["recorded"]
     assert seen["validated"]
 

@@ -74,13 +74,13 @@ say({ folded: [unfolded, await lanes()] });
 await page.keyboard.press("z");
 // A cycle of the recording stays and is laid over the live machine.
 await tabTo(page, ".tools select");
-await page.keyboard.press("ArrowDown");
-await page.locator(".waves[aria-label$='.csv']").waitFor();
+await page.keyboard.type("nominal");
+await page.locator(".waves[aria-label$='nominal.csv']").waitFor();
 await tabTo(page, ".waves");
 for (const key of ["+", "+", "o"]) await page.keyboard.press(key);
 await page.locator(".golden").waitFor();
 await tabTo(page, ".tools select");
-await page.keyboard.press("ArrowUp");
+await page.keyboard.press("Home");
 await page.locator(".waves[aria-label$='live']").waitFor();
 say({ golden: await page.locator(".golden").innerText() });
 
@@ -93,7 +93,10 @@ await page.locator(".list button", { hasText: /^\s*RET_OFF/ }).first().waitFor()
 await tabTo(page, ".list button", "RET_OFF");
 await page.keyboard.press("Enter");
 await page.locator("section[aria-label=Transition] canvas").first().waitFor();
-say({ charts: await page.locator("section[aria-label=Transition] canvas").count() });
+say({
+  charts: await page.locator("section[aria-label=Transition] canvas").count(),
+  times_of: await page.locator("section[aria-label=Transition] select option:checked").innerText(),
+});
 
 // The same device in another model: where it differs, and by how much.
 await tabTo(page, "label select", "–");

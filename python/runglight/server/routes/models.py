@@ -75,7 +75,10 @@ async def get_rules(request: Request) -> Response:
 
 
 async def get_times(request: Request) -> Response:
-    """Every time one transition was seen in a source: `current`, `next`, `group`, `device`."""
+    """Every time one transition was seen in a source: `current`, `next`, `group`, `device`.
+
+    `known` says whether the source has its signals at all: it may be of another machine.
+    """
     workshop = workshop_of(request)
     model, _ = await _model(workshop, request.path_params["model"])
     source = await source_of(workshop, request.query_params.get("source", "live"))
@@ -102,7 +105,8 @@ async def get_times(request: Request) -> Response:
         start_ns=source.origin_ns,
         until_ns=source.until_ns + 1,
     )
-    return json_answer({"source": source.name, "times": times})
+    known = {current_signal, next_signal} <= set(lanes.values())
+    return json_answer({"source": source.name, "known": known, "times": times})
 
 
 async def post_learn(request: Request) -> Response:
