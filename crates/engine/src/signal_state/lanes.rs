@@ -23,7 +23,6 @@ use prefetch_index::prefetch_index;
 use crate::log::Nanoseconds;
 
 use super::chains::ChainKind;
-use super::enabling::Trigger;
 use super::states::{NO_STATE, StateId};
 
 use layout::Layout;
@@ -67,8 +66,6 @@ impl Traits {
     const WAITS: u32 = 2;
     /// It has further bands.
     const MORE: u32 = 4;
-    /// An event there is more than a step of one device in its own time.
-    const PARTICULAR: u32 = Self::STARTING | Self::WAITS;
 }
 
 /// No rule leads here. A time nobody learned is never remarkable.
@@ -132,19 +129,32 @@ pub struct Usual {
     took: Nanoseconds,
 }
 
-/// The first lane of a state, where an event needs no more than it.
+/// The first lane of a state, where an event is a step of no more than one device.
 #[derive(Debug)]
 pub struct Plain<'a> {
     lane: &'a mut Lane,
+    sides: &'a [Side],
     entered: &'a mut [Nanoseconds],
 }
 
 impl Plain<'_> {
+    /// Since when its transition runs, of a device that stands where it stands since `own`; `None`
+    /// where it waits for what has not happened afresh.
+    #[inline(always)]
+    pub fn since(&self, own: Nanoseconds) -> Option<Nanoseconds> {
+        if !self.lane.has(Traits::WAITS) {
+            return Some(own);
+        }
+        let place = self.lane.place_of_side();
+        let before = self.entered.get(place).copied().unwrap_or(NEVER);
+        self.sides.get(place)?.due(self.entered, before, own)
+    }
+
     /// Counts a transition from `current` at `time` as a usual one; false, and nothing counted,
     /// where it is not one of this lane, or what it `took`, not below zero, is not accepted in it.
     #[inline(always)]
     pub fn take(self, current: StateId, time: Nanoseconds, took: Nanoseconds) -> bool {
-        let Self { lane, entered } = self;
+        let Self { lane, entered, .. } = self;
         let Some(band) = lane.band(took).filter(|_| lane.current == current) else { return false };
         lane.seen[band] += 1;
         lane.sum[band] = lane.sum[band].wrapping_add(took);
@@ -172,11 +182,12 @@ impl Lanes {
         }
     }
 
-    /// The lane of a state of a boolean, where its events need nothing beside it.
+    /// The lane of a state of a boolean, where its events are no more than its device's own.
     #[inline(always)]
     pub fn plain(&mut self, state: StateId) -> Option<Plain<'_>> {
         let lane = self.lanes.get_mut(state as usize)?;
-        (!lane.has(Traits::PARTICULAR)).then_some(Plain { lane, entered: &mut self.entered })
+        let plain = Plain { lane, sides: &self.sides, entered: &mut self.entered };
+        (!plain.lane.has(Traits::STARTING)).then_some(plain)
     }
 
     #[inline(always)]
@@ -253,12 +264,10 @@ impl Lanes {
         self.side(usual.lane as usize).is_some_and(|side| side.due.contains(&place))
     }
 
-    /// Since when a lane that waits was due, see [`Trigger::due`].
+    /// Since when a lane that waits was due.
     #[inline(always)]
     pub fn due(&self, lane: usize, before: Nanoseconds, own: Nanoseconds) -> Option<Nanoseconds> {
-        let [one, other] = self.side(lane)?.due.map(|place| self.entered.get(place as usize));
-        let first = *one?;
-        Trigger::due(first, other.copied().unwrap_or(first), before, own)
+        self.side(lane)?.due(&self.entered, before, own)
     }
 
     /// The lane as it is usually taken; `None` where the time, not below zero, is not accepted.

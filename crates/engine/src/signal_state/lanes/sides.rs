@@ -1,5 +1,8 @@
 //! What only some lanes need.
 
+use crate::log::Nanoseconds;
+use crate::signal_state::enabling::Trigger;
+
 use super::NONE;
 
 /// What only some lanes need. Half a cache line.
@@ -15,6 +18,21 @@ pub(super) struct Side {
     /// Place of its further bands, and how many those are.
     pub(super) more: u32,
     pub(super) bands: u32,
+}
+
+impl Side {
+    /// Since when its lane was due, see [`Trigger::due`]; `entered` is by the places of sides.
+    #[inline(always)]
+    pub(super) fn due(
+        &self,
+        entered: &[Nanoseconds],
+        before: Nanoseconds,
+        own: Nanoseconds,
+    ) -> Option<Nanoseconds> {
+        let [one, other] = self.due.map(|place| entered.get(place as usize));
+        let first = *one?;
+        Trigger::due(first, other.copied().unwrap_or(first), before, own)
+    }
 }
 
 /// A side with nothing on it.

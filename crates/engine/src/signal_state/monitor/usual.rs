@@ -80,8 +80,8 @@ impl Monitor {
         }
     }
 
-    /// Takes a row that is a scan of its own and needs no more than the lane of its state; false,
-    /// and nothing taken, where it needs more.
+    /// Takes a row that is a scan of its own and a step of its device alone, by the most frequent
+    /// rule into its state; false, and nothing taken, where it is not.
     #[inline(always)]
     fn take_plain(&mut self, row: Row) -> bool {
         let Self { model, lanes, watch, .. } = self;
@@ -93,7 +93,8 @@ impl Monitor {
         let Some(lane) = lanes.plain(state) else { return false };
         let here = &mut watch.here[model.chains.device_chain(row.signal)];
         let Some(clock) = watch.clocks.get_mut(here.clock as usize) else { return false };
-        let took = row.time.wrapping_sub(here.since);
+        let Some(since) = lane.since(here.since) else { return false };
+        let took = row.time.wrapping_sub(since);
         // A time below zero is longer than can be told, or of a scan whose order was mended.
         if !clock.runs || took < 0 || !lane.take(here.state, row.time, took) {
             return false;
