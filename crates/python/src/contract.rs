@@ -36,12 +36,16 @@ enum Keys {
 }
 
 impl Keys {
-    /// Places in the dictionary of some rows; a negative key lies beyond every dictionary.
-    fn copy(&self, rows: std::ops::Range<usize>, into: &mut Vec<u32>) {
-        into.clear();
+    /// Places in the dictionary of some rows, where they lie or in `room`; a negative key lies
+    /// beyond every dictionary.
+    fn of<'a>(&'a self, rows: std::ops::Range<usize>, room: &'a mut Vec<u32>) -> &'a [u32] {
         match self {
-            Self::Unsigned(keys) => into.extend_from_slice(&keys.values()[rows]),
-            Self::Signed(keys) => into.extend(keys.values()[rows].iter().map(|&key| key as u32)),
+            Self::Unsigned(keys) => &keys.values()[rows],
+            Self::Signed(keys) => {
+                room.clear();
+                room.extend(keys.values()[rows].iter().map(|&key| key as u32));
+                room
+            }
         }
     }
 
@@ -137,25 +141,28 @@ impl PyMonitor {
 
     fn watch_columns(&mut self, batches: &[Columns]) -> Result<Found, MonitorError> {
         let mut rows: Vec<Row> = Vec::with_capacity(CHUNK_ROWS);
-        let mut keys: Vec<u32> = Vec::with_capacity(CHUNK_ROWS);
+        let mut room: Vec<u32> = Vec::new();
         for batch in batches {
             self.take_dictionary(&batch.names);
             let length = batch.time.len();
             for start in (0..length).step_by(CHUNK_ROWS) {
                 let end = length.min(start + CHUNK_ROWS);
-                batch.keys.copy(start..end, &mut keys);
+                let keys = batch.keys.of(start..end, &mut room);
                 let columns = batch.time.values()[start..end]
                     .iter()
                     .zip(&batch.value.values()[start..end])
-                    .zip(&keys);
+                    .zip(keys);
                 let numbers = &self.dictionary.numbers;
+                let mut numbered = true;
                 rows.clear();
-                rows.extend(columns.map(|((&time, &value), &key)| Row {
-                    time,
-                    signal: numbers[key as usize],
-                    value,
+                rows.extend(columns.map(|((&time, &value), &key)| {
+                    let signal = numbers[key as usize];
+                    numbered &= signal != UNNUMBERED;
+                    Row { time, signal, value }
                 }));
-                self.number(&mut rows, &keys, &batch.names);
+                if !numbered {
+                    self.number(&mut rows, keys, &batch.names);
+                }
                 self.naming.keep_own(&mut rows);
                 self.monitor.take_rows(&rows)?;
             }
@@ -179,9 +186,6 @@ impl PyMonitor {
 
     /// Numbers signals that no model knows, in the order of their first rows.
     fn number(&mut self, rows: &mut [Row], keys: &[u32], names: &StringArray) {
-        if rows.iter().all(|row| row.signal != UNNUMBERED) {
-            return;
-        }
         for (row, &key) in rows.iter_mut().zip(keys).filter(|(row, _)| row.signal == UNNUMBERED) {
             row.signal = self.monitor.signal_index(names.value(key as usize), None);
             self.dictionary.numbers[key as usize] = row.signal;
