@@ -11,7 +11,9 @@
 //! ([`super::extremes`]), or, where it is small, Student's t. Which of the two a cluster has is a
 //! matter of probability ([`super::shape`]), and half the tail probability `α` pays for each: the
 //! limit is where bounded times are passed with `α/2`, or the Lomax law with `α/2` over the
-//! probability that it holds, whichever is farther.
+//! probability that it holds, whichever is farther. What was seen too seldom to tell its own shape
+//! is limited by the nearer of its own Lomax law and what like motions show together
+//! ([`super::pooled`]).
 
 use super::TimeCluster;
 use super::extremes::Side;
@@ -78,7 +80,7 @@ pub fn adaptive(
                 if exponential >= 1.0 {
                     let alone = extreme + lomax_margin(instances, scale, tail.alpha);
                     let pooled = shapes.pooled(cluster);
-                    let alike = pooled.map(|pooled| pooled.reach(cluster, side, tail.alpha));
+                    let alike = pooled.and_then(|pooled| pooled.reach(cluster, side, tail.alpha));
                     return alike.map_or(alone, |alike| alone.min(alike.max(extreme + scale)));
                 }
                 let alpha = (tail.alpha / (2.0 * exponential)).min(1.0);

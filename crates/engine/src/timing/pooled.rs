@@ -64,9 +64,8 @@ impl Pooled {
         clusters: impl Iterator<Item = &'a TimeCluster>,
         resolution_s: f64,
     ) -> Option<Self> {
-        let telling: Vec<&TimeCluster> = clusters
-            .filter(|c| c.instances >= INSTANCES_AT_LEAST && c.average_s > resolution_s)
-            .collect();
+        let telling: Vec<&TimeCluster> =
+            clusters.filter(|cluster| is_telling(cluster, resolution_s)).collect();
         if telling.len() < MOTIONS_AT_LEAST {
             return None;
         }
@@ -84,12 +83,15 @@ impl Pooled {
     }
 
     /// Distance from the average, in seconds, that a time of one of the motions passes on a side
-    /// with probability `alpha`.
-    pub fn reach(&self, cluster: &TimeCluster, side: Side, alpha: f64) -> f64 {
+    /// with probability `alpha`; `None` where it is too short, or was seen too seldom, to tell.
+    pub fn reach(&self, cluster: &TimeCluster, side: Side, alpha: f64) -> Option<f64> {
+        if !is_telling(cluster, self.resolution_s) {
+            return None;
+        }
         let deviation = self.common.moderated(spread(cluster, self.resolution_s));
         let of_average = (1.0 + 1.0 / f64::from(cluster.instances)).sqrt();
         let beyond = &self.beyond[usize::from(side == Side::Late)];
-        beyond.distance(alpha) * deviation * of_average * cluster.average_s
+        Some(beyond.distance(alpha) * deviation * of_average * cluster.average_s)
     }
 }
 
@@ -168,6 +170,10 @@ impl Beyond {
     }
 }
 
+fn is_telling(cluster: &TimeCluster, resolution_s: f64) -> bool {
+    cluster.instances >= INSTANCES_AT_LEAST && cluster.average_s > resolution_s
+}
+
 /// Of times that are whole ticks of the clock.
 fn least_variance(resolution_s: f64) -> f64 {
     (resolution_s.powi(2) / 12.0).max(1e-12)
@@ -199,10 +205,15 @@ mod tests {
 
     /// One seen five times, around an average, evenly within this share of it.
     fn motion(seed: &mut u64, average_s: f64, spread: f64) -> TimeCluster {
-        let mut times: Vec<f64> =
-            (0..5).map(|_| average_s * (1.0 + spread * (2.0 * even(seed) - 1.0))).collect();
-        times.sort_unstable_by(f64::total_cmp);
-        optimal::cluster(&times, RESOLUTION_S)[0]
+        loop {
+            let mut times: Vec<f64> =
+                (0..5).map(|_| average_s * (1.0 + spread * (2.0 * even(seed) - 1.0))).collect();
+            times.sort_unstable_by(f64::total_cmp);
+            // Now and then five times look like two usual ones.
+            if let [motion] = optimal::cluster(&times, RESOLUTION_S)[..] {
+                return motion;
+            }
+        }
     }
 
     #[test]
@@ -211,15 +222,18 @@ mod tests {
         let motions: Vec<TimeCluster> =
             (0..200).map(|i| motion(&mut seed, 15.0 + 0.1 * f64::from(i), 0.02)).collect();
         let pooled = Pooled::of(motions.iter(), RESOLUTION_S);
-        let reach = |cluster, side| pooled.map_or(f64::NAN, |p| p.reach(cluster, side, 1e-6));
+        let reach = |cluster, side| pooled.and_then(|pooled| pooled.reach(cluster, side, 1e-6));
         for cluster in &motions {
             // None is farther than 2 % from what is in truth the middle; three deviations more pay
             // for what is known of that middle, and of the law.
             for side in [Side::Early, Side::Late] {
-                let share = reach(cluster, side) / cluster.average_s;
-                assert!((0.03..0.12).contains(&share), "{share}");
+                let share = reach(cluster, side).map(|reach| reach / cluster.average_s);
+                assert!(share.is_some_and(|share| (0.03..0.12).contains(&share)), "{share:?}");
             }
         }
+        // What takes no time has no share of it.
+        let at_once = optimal::cluster(&[0.0; 5], RESOLUTION_S)[0];
+        assert_eq!(reach(&at_once, Side::Late), None);
     }
 
     #[test]
