@@ -55,16 +55,23 @@ impl Extremes {
     }
 }
 
-/// Distance of the extreme instance, in standard deviations, both as they are without it.
-fn reach(cluster: &TimeCluster, side: Side, resolution_s: f64) -> f64 {
+/// The extreme instance of a side, as the others show it: its distance from their average, and
+/// the sum of their squared deviations from it.
+pub(super) fn without_extreme(cluster: &TimeCluster, side: Side) -> (f64, f64) {
     let n = f64::from(cluster.instances);
     let distance = match side {
         Side::Early => cluster.average_s - cluster.minimum_s,
         Side::Late => cluster.maximum_s - cluster.average_s,
     };
-    let others =
-        (n * f64::from(cluster.deviation_s).powi(2) - distance.powi(2) * n / (n - 1.0)) / (n - 1.0);
-    distance * n / (n - 1.0) / others.max(0.0).sqrt().max(resolution_s)
+    let squares = n * f64::from(cluster.deviation_s).powi(2) - distance.powi(2) * n / (n - 1.0);
+    (distance * n / (n - 1.0), squares.max(0.0))
+}
+
+/// Distance of the extreme instance, in standard deviations, both as they are without it.
+fn reach(cluster: &TimeCluster, side: Side, resolution_s: f64) -> f64 {
+    let (distance, squares) = without_extreme(cluster, side);
+    let others = squares / (f64::from(cluster.instances) - 1.0);
+    distance / others.sqrt().max(resolution_s)
 }
 
 #[cfg(test)]

@@ -9,7 +9,7 @@
 //! the next one would be: peaks over threshold, with the predictive tail of [`super::limits`].
 
 use super::TimeCluster;
-use super::extremes::Side;
+use super::extremes::{Side, without_extreme};
 
 /// Fewer motions say nothing of their make.
 const MOTIONS_AT_LEAST: usize = 10;
@@ -142,15 +142,11 @@ impl Common {
     /// without it.
     fn reach(self, cluster: &TimeCluster, side: Side, resolution_s: f64) -> f64 {
         let n = f64::from(cluster.instances);
-        let distance = match side {
-            Side::Early => cluster.average_s - cluster.minimum_s,
-            Side::Late => cluster.maximum_s - cluster.average_s,
-        };
-        let squares = n * f64::from(cluster.deviation_s).powi(2) - distance.powi(2) * n / (n - 1.0);
-        let variance = (squares.max(0.0) / (n - 2.0)).max(least_variance(resolution_s));
+        let (distance, squares) = without_extreme(cluster, side);
+        let variance = (squares / (n - 2.0)).max(least_variance(resolution_s));
         let others = Spread { variance: variance / cluster.average_s.powi(2), degrees: n - 2.0 };
         let of_average = (1.0 + 1.0 / (n - 1.0)).sqrt();
-        distance * n / (n - 1.0) / (self.moderated(others) * of_average * cluster.average_s)
+        distance / (self.moderated(others) * of_average * cluster.average_s)
     }
 }
 
