@@ -1,6 +1,6 @@
 """What a healthy machine may still hold back: how odd its parts have been says where it is odd."""
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -113,3 +113,27 @@ def test_gates_that_people_hold_do_not_make_drills_odd() -> None:
     watched = log_of(stations(odd=False, cycles=12, late=(5, 4), seed=2))
     late = [finding for finding in first_told(model.watch(watched)) if finding["kind"] == "late"]
     assert (late[0]["device"], late[0]["severity"]) == ("Drill4", "anomaly")
+
+
+def presses(strokes: int, late: Collection[tuple[int, int]], seed: int) -> Iterator[Event]:
+    """Presses whose strokes vary by one percent, as air and oil do; `late` adds 2 s to some."""
+    draw = np.random.default_rng(seed)
+    for press in range(4):
+        now_s = 1.1 * press
+        for stroke in range(strokes):
+            yield now_s, f"Shop-Press{press}-Down", 1
+            now_s += 3.0 * (1 + 0.01 * draw.standard_normal())
+            now_s += 2.0 if (stroke, press) in late else 0.0
+            yield now_s, f"Shop-Press{press}-Down", 0
+            now_s += 7.0 * (1 + 0.01 * draw.standard_normal())
+
+
+def test_a_motion_is_its_own_however_often_it_was_seen() -> None:
+    """Of thousands of strokes the extremes lie far apart: they wait for nobody all the same."""
+    model = rl.learn(log_of(presses(2000, [], 1)))
+    findings = first_told(model.watch(log_of(presses(12, [(5, 0), (6, 2)], 2))))
+    late = [finding for finding in findings if finding["kind"] == "late"]
+    assert [(finding["device"], finding["severity"]) for finding in late] == [
+        ("Press0", "anomaly"),
+        ("Press2", "anomaly"),
+    ]

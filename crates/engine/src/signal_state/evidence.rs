@@ -37,8 +37,11 @@ const CHARACTERS: [Character; 3] = [Character::Motion, Character::KnownWait, Cha
 /// Motions take up to this many times (part types, speeds).
 const MOTION_TIMES: usize = 3;
 /// A motion's time spreads over no more than this share of it, or this many resolutions.
-const MOTION_SPREAD: f64 = 0.05;
+const MOTION_SPREAD: f64 = 0.1;
 const MOTION_RESOLUTIONS: f64 = 10.0;
+/// A time spreads over no more than so many of its standard deviations: the extremes of many
+/// instances lie farther apart than those of a few, and it is the same motion.
+const SPREAD_DEVIATIONS: f64 = 5.0;
 /// Instances from which a time seen once or twice is odd, and not merely one of several.
 const TELLING_INSTANCES: u64 = 20;
 
@@ -46,7 +49,8 @@ impl Character {
     fn of(rule: &Rule, resolution_s: f64) -> Self {
         let usual = || rule.judged().iter().filter(|c| c.instances >= BODY_INSTANCES);
         let tight = usual().all(|cluster| {
-            let spread = cluster.maximum_s - cluster.minimum_s;
+            let spread = (cluster.maximum_s - cluster.minimum_s)
+                .min(SPREAD_DEVIATIONS * f64::from(cluster.deviation_s));
             spread <= (MOTION_SPREAD * cluster.average_s).max(MOTION_RESOLUTIONS * resolution_s)
         });
         if rule.trigger.is_some() {
