@@ -2,13 +2,14 @@
 
 from types import ModuleType
 
-from benches import accuracy, budget, clustering, injected_recordings, throughput, triggers
+from benches import accuracy, budget, clustering, delays, injected_recordings, throughput, triggers
 
 TOPICS: dict[str, ModuleType] = {
     "throughput": throughput,
     "clustering": clustering,
     "accuracy": accuracy,
     "triggers": triggers,
+    "delays": delays,
     "budget": budget,
     "recordings": injected_recordings,
 }
