@@ -2,7 +2,7 @@
 
 use crate::log::{Nanoseconds, SECOND};
 use crate::signal_state::dispersion;
-use crate::signal_state::enabling::{Happenings, Search, Trigger};
+use crate::signal_state::enabling::{Explanation, Happenings, Search};
 use crate::signal_state::parameters::{Parameters, Timing};
 use crate::timing::csk_means::CskMeans;
 use crate::timing::{self, TimeCluster, optimal};
@@ -13,7 +13,7 @@ use super::walk::Found;
 /// What is learned of the times of one transition.
 pub(super) struct Times {
     pub(super) clusters: Vec<TimeCluster>,
-    pub(super) trigger: Option<Trigger>,
+    pub(super) explanation: Explanation,
 }
 
 /// How times are learned.
@@ -44,13 +44,13 @@ impl Study<'_> {
         took.sort_unstable();
         sorted.clear();
         sorted.extend(took.iter().map(|&took| seconds(took)));
-        let trigger = match instances {
+        let explanation = match instances {
             OfRule::Device(entries) if self.parameters.timing == Timing::Adaptive => {
-                search.trigger(happenings, entries, sorted, (rule.current, rule.next))
+                search.explain(happenings, entries, sorted, (rule.current, rule.next))
             }
-            _ => None,
+            _ => Explanation::NONE,
         };
-        Times { clusters: cluster(times, sorted, self.parameters, self.resolution), trigger }
+        Times { clusters: cluster(times, sorted, self.parameters, self.resolution), explanation }
     }
 }
 
