@@ -5,6 +5,7 @@
 //! Once all transitions of a group have had it, most states are explained without what happens
 //! beside them; and of two at one instant, the one that is cannot be the effect of the other.
 
+use crate::log::{Nanoseconds, SECOND};
 use crate::plant::{Plant, SignalClass};
 use crate::signal_state::states::{NO_STATE, StateId, States};
 
@@ -132,22 +133,39 @@ impl Together<'_> {
 
     /// States that most of a few instances see beside them.
     fn beside(&self, instances: &[Entry]) -> Vec<StateId> {
-        let happenings = self.index.happenings;
         let mut seen: Vec<StateId> = Vec::new();
+        let mut alone = 0;
         for screener in 0..SCREENERS {
-            let &Entry { time, place, .. } = &instances[screener * instances.len() / SCREENERS];
-            let (earlier, later) = happenings.split_at(place as usize);
-            let first = seen.len();
-            let near = |other: &&super::Happening| {
-                (time - other.time) as f64 <= self.index.resolution_s * 1e9
-            };
-            seen.extend(earlier.iter().rev().take(LOOK_BACK).take_while(near).map(|o| o.state));
-            let together = later[1..].iter().take_while(|other| other.time == time);
-            seen.extend(together.take(LOOK_BACK).map(|other| other.state));
-            seen[first..].sort_unstable();
+            let instance = &instances[screener * instances.len() / SCREENERS];
+            let before = seen.len();
+            self.look_beside(instance, &mut seen);
+            alone += usize::from(seen.len() == before);
+            // Nearly always there is nothing.
+            if alone > SCREENERS - SEEN {
+                return Vec::new();
+            }
         }
         seen.sort_unstable();
         seen.chunk_by(|a, b| a == b).filter(|of| of.len() >= SEEN).map(|of| of[0]).collect()
+    }
+
+    /// States entered with an instance, or the least time before it.
+    fn look_beside(&self, &Entry { time, place, .. }: &Entry, seen: &mut Vec<StateId>) {
+        let (earlier, later) = self.index.happenings.split_at(place as usize);
+        let least = (self.index.resolution_s * SECOND as f64) as Nanoseconds;
+        let earlier = earlier.iter().rev().take_while(|other| time - other.time <= least);
+        let later = later[1..].iter().take_while(|other| other.time == time);
+        let first = seen.len();
+        seen.extend(earlier.take(LOOK_BACK).chain(later.take(LOOK_BACK)).map(|it| it.state));
+        seen[first..].sort_unstable();
+        let mut kept = first;
+        for at in first..seen.len() {
+            if kept == first || seen[kept - 1] != seen[at] {
+                seen[kept] = seen[at];
+                kept += 1;
+            }
+        }
+        seen.truncate(kept);
     }
 
     /// How a state is explained; `None` where it is not, or not by what happened earlier.
