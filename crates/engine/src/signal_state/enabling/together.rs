@@ -180,13 +180,21 @@ impl Together<'_> {
                 continue;
             }
             all += it.instances.len();
-            if left_s <= steady {
+            if left_s <= steady && (trigger.is_some() || self.is_answer(it)) {
                 known += it.instances.len();
                 standing.left_s = standing.left_s.max(left_s);
                 standing.by_itself &= trigger.is_none();
             }
         }
         (known > 0 && known as f64 >= EXPLAINED * all as f64).then_some(standing)
+    }
+
+    /// Whether a transition by itself is an answer to what its device did. What ends a pulse of the
+    /// program's is not known: it may well be a sensor of another device.
+    fn is_answer(&self, timed: &Timed<'_>) -> bool {
+        let [current, next] =
+            [timed.current, timed.next].map(|state| self.states.signal_value(state).0);
+        current != next || self.plant.signals[next as usize].class == SignalClass::Input
     }
 
     /// Whether a state waits for another one without any time between, or for one that does.
