@@ -67,15 +67,16 @@ struct Cause {
 
 impl Together<'_> {
     /// Explains the transitions of a group, in the order of first appearance, by what happens at
-    /// the same time where that explains more than was found. None ever waits for one that waits
-    /// for it.
-    pub fn explain(&self, timed: &mut [Timed<'_>]) {
+    /// the same time where that explains more than was found, and returns which. None ever waits for
+    /// one that waits for it.
+    pub fn explain(&self, timed: &mut [Timed<'_>]) -> Vec<usize> {
         let into = Into::of(timed);
         let causes: Vec<(usize, Vec<Cause>)> = (0..timed.len())
             .filter(|&at| self.is_open(&timed[at]))
             .map(|at| (at, self.causes(timed, &into, at)))
             .filter(|(_, causes)| !causes.is_empty())
             .collect();
+        let mut changed = Vec::new();
         for (at, causes) in causes {
             let next = timed[at].next;
             let free = |cause: &Cause| !self.follows(timed, &into, cause.state, next);
@@ -84,8 +85,10 @@ impl Together<'_> {
                 let first = std::mem::replace(explanation, Explanation::NONE);
                 let states = [cause.state, NO_STATE];
                 *explanation = first.or_by(states, &cause.delays, self.index.resolution_s);
+                changed.push(at);
             }
         }
+        changed
     }
 
     /// Whether the first look left something to explain, which a program may have done.
@@ -170,17 +173,22 @@ impl Together<'_> {
 
     /// How a state is explained; `None` where it is not, or not by what happened earlier.
     fn standing(&self, timed: &[Timed<'_>], into: &Into, state: StateId) -> Option<Standing> {
+        let echoes = |it: &Timed<'_>| it.explanation.usual_s <= self.index.resolution_s;
+        let mut of = into.of_state(state).map(|at| &timed[at]);
+        let echoed = of.find(|it| it.instances.len() >= INSTANCES_AT_LEAST).filter(|it| echoes(it));
+        // What only ever follows its device's last event at once is as well known as that event;
+        // what does so at times says nothing by it.
+        let at = match echoed.filter(|_| of.all(echoes)) {
+            Some(echo) if !into.of_state(echo.current).any(|at| echoes(&timed[at])) => echo.current,
+            _ => state,
+        };
         let mut standing = Standing { left_s: 0.0, by_itself: true };
         let (mut all, mut known) = (0, 0);
-        for it in into.of_state(state).map(|at| &timed[at]) {
+        for it in into.of_state(at).map(|at| &timed[at]).filter(|it| !echoes(it)) {
+            all += it.instances.len();
             let &Explanation { left_s, usual_s, ref trigger, .. } = &*it.explanation;
             let steady = (TIGHT_RESOLUTIONS * self.index.resolution_s).max(STEADY_SHARE * usual_s);
-            // What follows at once is an echo of what it follows, and says nothing.
-            if usual_s <= self.index.resolution_s {
-                continue;
-            }
-            all += it.instances.len();
-            if left_s <= steady && (trigger.is_some() || self.is_answer(it)) {
+            if left_s <= steady && (trigger.is_some() || self.is_answer(it.current, state)) {
                 known += it.instances.len();
                 standing.left_s = standing.left_s.max(left_s);
                 standing.by_itself &= trigger.is_none();
@@ -189,12 +197,11 @@ impl Together<'_> {
         (known > 0 && known as f64 >= EXPLAINED * all as f64).then_some(standing)
     }
 
-    /// Whether a transition by itself is an answer to what its device did. What ends a pulse of the
-    /// program's is not known: it may well be a sensor of another device.
-    fn is_answer(&self, timed: &Timed<'_>) -> bool {
-        let [current, next] =
-            [timed.current, timed.next].map(|state| self.states.signal_value(state).0);
-        current != next || self.plant.signals[next as usize].class == SignalClass::Input
+    /// Whether a state of a device answers to another. What ends a pulse of the program's is not
+    /// known: it may well be the sensor of another device.
+    fn is_answer(&self, before: StateId, state: StateId) -> bool {
+        let [before, signal] = [before, state].map(|state| self.states.signal_value(state).0);
+        before != signal || self.plant.signals[signal as usize].class == SignalClass::Input
     }
 
     /// Whether a state waits for another one without any time between, or for one that does.

@@ -14,7 +14,7 @@ use super::instances::{Instances, OfRule};
 use super::reading::{Events, GroupEvents};
 use super::share_out::{share_out, threads_for};
 use super::timing::{Bench, Study, Times};
-use super::walk::{Found, Walker};
+use super::walk::{Found, Walk, Walker};
 
 /// Transitions a thread takes at once.
 const AT_ONCE: usize = 256;
@@ -128,22 +128,19 @@ impl<'a> Teacher<'a> {
             let rules = in_order.iter().skip(chunk * AT_ONCE).take(AT_ONCE);
             let times = rules.map(|&rule| {
                 let instances = instances.of(walk, rule);
-                self.study.times(&walk.rules[rule], instances, happenings, bench)
+                self.study.times(
+                    &walk.rules[rule],
+                    instances,
+                    (happenings, &walk.first_steps),
+                    bench,
+                )
             });
             times.collect()
         };
         let chunks = in_order.len().div_ceil(AT_ONCE);
         let times = share_out(chunks, threads, bench, || self.bench(), times_of);
         let mut times: Vec<Times> = times.into_iter().flatten().collect();
-        let mut timed: Vec<Timed<'_>> = Vec::with_capacity(times.len());
-        for (&rule, times) in in_order.iter().zip(&mut times) {
-            if let OfRule::Device(instances) = instances.of(walk, rule) {
-                let Found { current, next, .. } = walk.rules[rule];
-                let explanation = &mut times.explanation;
-                timed.push(Timed { current, next, instances, explanation });
-            }
-        }
-        Together { index: happenings, plant: self.plant, states: self.states }.explain(&mut timed);
+        self.look_again(&mut times, &in_order, (walk, instances, happenings));
         let ways = branches::ways(walk);
         let found = in_order.iter().map(|&rule| (&walk.rules[rule], ways[rule]));
         let rules = found.clone().zip(times).map(|((found, way), times)| Rule {
@@ -152,6 +149,7 @@ impl<'a> Teacher<'a> {
             next: found.next,
             count: found.count,
             uncounted: found.uncounted,
+            odd_at_start: times.odd_at_start,
             probability: way.probability,
             sequence: 0,
             position: 0,
@@ -164,6 +162,33 @@ impl<'a> Teacher<'a> {
             first: found.map(|(found, _)| events.order[found.first as usize]).collect(),
             longest_pause: walk.longest_pause,
             start: walk.start,
+        }
+    }
+}
+
+/// What a group's events come to.
+type OfEvents<'a> = (&'a Walk, &'a Instances, Happenings<'a>);
+
+impl Teacher<'_> {
+    /// Once what all transitions wait for has been looked for, some are known to wait for what bears
+    /// their own time.
+    fn look_again(&self, times: &mut [Times], in_order: &[usize], of: OfEvents<'_>) {
+        let (walk, instances, happenings) = of;
+        let mut places = Vec::new();
+        let mut timed: Vec<Timed<'_>> = Vec::new();
+        for (place, (&rule, times)) in in_order.iter().zip(times.iter_mut()).enumerate() {
+            if let OfRule::Device(instances) = instances.of(walk, rule) {
+                let Found { current, next, .. } = walk.rules[rule];
+                let explanation = &mut times.explanation;
+                places.push(place);
+                timed.push(Timed { current, next, instances, explanation });
+            }
+        }
+        let together = Together { index: happenings, plant: self.plant, states: self.states };
+        for changed in together.explain(&mut timed) {
+            let rule = in_order[places[changed]];
+            let of_rule = (&walk.rules[rule], instances.of(walk, rule));
+            times[places[changed]].count_odd_starts(of_rule, (happenings, &walk.first_steps));
         }
     }
 }
