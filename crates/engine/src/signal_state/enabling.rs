@@ -7,7 +7,8 @@
 //!
 //! Near-linear: a sample of the instances looks back over the last few events of the group and
 //! votes for the states it meets at a steady distance; only the finalists are measured on all
-//! instances. What lies further back in time than those few events is not found.
+//! instances. What lies further back in time than those few events is not found. What bears the same
+//! time is looked at again when the whole group has had its turn.
 
 mod ballot;
 mod delays;
