@@ -5,6 +5,8 @@
 //! Once all transitions of a group have had it, most states are explained without what happens
 //! beside them; and of two at one instant, the one that is cannot be the effect of the other.
 
+use std::cmp::Reverse;
+
 use crate::log::{Nanoseconds, SECOND};
 use crate::plant::{Plant, SignalClass};
 use crate::signal_state::states::{NO_STATE, StateId, States};
@@ -130,7 +132,7 @@ impl Together<'_> {
                 causes.push(Cause { state, letters, explained, delays });
             }
         }
-        causes.sort_by_key(|it| (std::cmp::Reverse((it.letters, it.explained)), it.state));
+        causes.sort_by_key(|it| (Reverse((it.explained, it.letters)), it.state));
         causes
     }
 
@@ -173,13 +175,14 @@ impl Together<'_> {
 
     /// How a state is explained; `None` where it is not, or not by what happened earlier.
     fn standing(&self, timed: &[Timed<'_>], into: &Into, state: StateId) -> Option<Standing> {
-        let echoes = |it: &Timed<'_>| it.explanation.usual_s <= self.index.resolution_s;
-        let mut of = into.of_state(state).map(|at| &timed[at]);
-        let echoed = of.find(|it| it.instances.len() >= INSTANCES_AT_LEAST).filter(|it| echoes(it));
+        let frequent = |it: &&Timed<'_>| it.instances.len() >= INSTANCES_AT_LEAST;
+        let echoes =
+            |it: &Timed<'_>| frequent(&it) && it.explanation.usual_s <= self.index.resolution_s;
+        let mut of = into.of_state(state).map(|at| &timed[at]).filter(frequent);
         // What only ever follows its device's last event at once is as well known as that event;
         // what does so at times says nothing by it.
-        let at = match echoed.filter(|_| of.all(echoes)) {
-            Some(echo) if !into.of_state(echo.current).any(|at| echoes(&timed[at])) => echo.current,
+        let at = match (of.next(), of.next()) {
+            (Some(only), None) if echoes(only) => only.current,
             _ => state,
         };
         let mut standing = Standing { left_s: 0.0, by_itself: true };
@@ -188,7 +191,8 @@ impl Together<'_> {
             all += it.instances.len();
             let &Explanation { left_s, usual_s, ref trigger, .. } = &*it.explanation;
             let steady = (TIGHT_RESOLUTIONS * self.index.resolution_s).max(STEADY_SHARE * usual_s);
-            if left_s <= steady && (trigger.is_some() || self.is_answer(it.current, state)) {
+            let is_known = trigger.is_some() || self.is_answer(it.current, state);
+            if frequent(&it) && left_s <= steady && is_known {
                 known += it.instances.len();
                 standing.left_s = standing.left_s.max(left_s);
                 standing.by_itself &= trigger.is_none();

@@ -5,7 +5,7 @@ use crate::log::{Nanoseconds, SECOND};
 use crate::plant::{Plant, SignalClass};
 use crate::signal_state::chains::Chains;
 use crate::signal_state::enabling::{Happenings, Timed, Together};
-use crate::signal_state::parameters::Parameters;
+use crate::signal_state::parameters::{Parameters, Timing};
 use crate::signal_state::rules::Rule;
 use crate::signal_state::states::{StateId, States};
 
@@ -173,6 +173,10 @@ impl Teacher<'_> {
     /// Once what all transitions wait for has been looked for, some are known to wait for what bears
     /// their own time.
     fn look_again(&self, times: &mut [Times], in_order: &[usize], of: OfEvents<'_>) {
+        // PLAT looks for nothing.
+        if self.study.parameters.timing != Timing::Adaptive {
+            return;
+        }
         let (walk, instances, happenings) = of;
         let mut places = Vec::new();
         let mut timed: Vec<Timed<'_>> = Vec::new();
