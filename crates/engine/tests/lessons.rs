@@ -148,6 +148,31 @@ proptest! {
     }
 }
 
+#[test]
+fn what_bears_the_same_time_is_learned_alike() {
+    // Y answers X of its device at once or a little later; the other devices go on with Y.
+    let mut rows: Vec<Row> = Vec::new();
+    for cycle in 0..80i64 {
+        let value = 1 - cycle % 2;
+        let start = cycle * 20 * SECOND + cycle * cycle % 97 * 100 * MS;
+        let answer = start + (800 + cycle * 7 % 5 * 10) * MS;
+        rows.push((start, "G-A1-X", value));
+        rows.extend(["G-A1-Y", "G-B-X"].map(|name| (answer, name, value)));
+        rows.extend(["H-C-X", "O_Pump_Run"].map(|name| (answer + 30 * MS, name, value)));
+    }
+    let parameters = Parameters::default();
+    let whole = learn(&[log_of(&rows, &[])], &SymbolTable::default(), &parameters);
+    let whole = whole.expect("the log has events");
+    let at_once = whole
+        .rules
+        .iter()
+        .filter_map(|rule| rule.trigger.as_deref())
+        .filter(|trigger| trigger.clusters.iter().all(|cluster| cluster.maximum_s == 0.0));
+    assert_eq!(at_once.count(), 2);
+    let parts = in_parts(&rows, &[], &parameters, 33, true).expect("all groups have lessons");
+    assert_eq!(whole.rules, parts.rules);
+}
+
 fn small() -> Vec<Row> {
     (0..40).map(|i| (i * SECOND, SIGNALS[i as usize % 2], i / 2 % 2)).collect()
 }

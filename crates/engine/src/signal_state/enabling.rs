@@ -7,7 +7,8 @@
 //!
 //! Near-linear: a sample of the instances looks back over the last few events of the group and
 //! votes for the states it meets at a steady distance; only the finalists are measured on all
-//! instances. What lies further back in time than those few events is not found.
+//! instances. What lies further back in time than those few events is not found. What bears the same
+//! time is looked at again when the whole group has had its turn.
 
 mod ballot;
 mod delays;
@@ -17,10 +18,12 @@ mod finalists;
 mod happenings;
 mod meetings;
 mod partner;
+mod together;
 mod window;
 
 pub use entries::{Entries, Entry, NO_RULE};
 pub use happenings::{Happening, Happenings};
+pub use together::{Timed, Together};
 
 use crate::log::Nanoseconds;
 use crate::timing::Clusters;
@@ -96,6 +99,59 @@ const STEADY_AT_MOST_S: f64 = 1.0;
 /// Share of each tail of delays that may be outliers.
 const OUTLIERS: f64 = 0.01;
 
+/// How well it is known what a transition waits for.
+#[derive(Debug)]
+pub struct Explanation {
+    /// What its device's own last event leaves unexplained of its times, in seconds.
+    pub own_s: f64,
+    /// The same of what it waits for; where nothing was found, of the own last event.
+    pub left_s: f64,
+    /// How long it usually takes from there, in seconds.
+    pub usual_s: f64,
+    /// Share of its instances that take just that.
+    pub exact: f64,
+    /// Share of its instances that take no time at all.
+    pub at_once: f64,
+    /// What it waits for.
+    pub trigger: Option<Trigger>,
+}
+
+impl Explanation {
+    /// Too few instances to say anything.
+    pub const NONE: Self = Self {
+        own_s: f64::INFINITY,
+        left_s: f64::INFINITY,
+        usual_s: 0.0,
+        exact: 0.0,
+        at_once: 0.0,
+        trigger: None,
+    };
+
+    /// By these sorted delays.
+    fn of(delays: &[f64], own_s: Option<f64>, resolution_s: f64) -> Self {
+        let usual_s = delays[delays.len() / 2];
+        let below =
+            |end: f64| delays.partition_point(|&delay| delay < end) as f64 / delays.len() as f64;
+        let half = 0.5 * resolution_s;
+        let left_s = residual_spread(delays);
+        Self {
+            own_s: own_s.unwrap_or(left_s),
+            left_s,
+            usual_s,
+            exact: below(usual_s + half) - below(usual_s - half),
+            at_once: below(resolution_s + half),
+            trigger: None,
+        }
+    }
+
+    /// By what the transition waits for instead, and the sorted delays from there.
+    fn or_by(self, states: [StateId; 2], delays: &[f64], resolution_s: f64) -> Self {
+        let clusters = optimal::cluster(delays, resolution_s).into();
+        let trigger = Some(Trigger { states, clusters });
+        Self { trigger, ..Self::of(delays, Some(self.own_s), resolution_s) }
+    }
+}
+
 /// Looks for enabling events.
 pub struct Search {
     ballot: Ballot,
@@ -110,22 +166,37 @@ impl Search {
 
     /// The enabling event of a transition from `current` to `next`, the two of `states`, in its
     /// group's happenings. `sorted` is how long its instances took since the device's own last
-    /// event, by size, in seconds. `None` where nothing explains it better than that event.
-    pub fn trigger(
+    /// event, by size, in seconds. No trigger where nothing explains it better than that event.
+    pub fn explain(
         &mut self,
         index: Happenings<'_>,
         instances: &[Entry],
         sorted: &[f64],
-        (current, next): (StateId, StateId),
-    ) -> Option<Trigger> {
+        states: (StateId, StateId),
+    ) -> Explanation {
         if instances.len() < INSTANCES_AT_LEAST {
-            return None;
+            return Explanation::NONE;
         }
-        let own_spread = residual_spread(sorted);
+        let by_itself = Explanation::of(sorted, None, index.resolution_s);
+        let own_s = by_itself.own_s;
+        if is_tight(own_s, by_itself.usual_s, index.resolution_s) {
+            return by_itself;
+        }
+        match self.trigger(index, instances, own_s, states) {
+            Some((delays, states)) => by_itself.or_by(states, &delays, index.resolution_s),
+            None => by_itself,
+        }
+    }
+
+    /// The states that explain a transition best, and the sorted delays from there.
+    fn trigger(
+        &mut self,
+        index: Happenings<'_>,
+        instances: &[Entry],
+        own_spread: f64,
+        (current, next): (StateId, StateId),
+    ) -> Option<(Vec<f64>, [StateId; 2])> {
         let tight = TIGHT_RESOLUTIONS * index.resolution_s;
-        if own_spread <= tight.max(TIGHT_SHARE * sorted[sorted.len() / 2]) {
-            return None;
-        }
         let steady = (own_spread / 8.0).clamp(tight, STEADY_AT_MOST_S.max(tight));
         let close = 2.0 * tight;
         let election = Election { instances, current, next, steady, close };
@@ -156,10 +227,13 @@ impl Search {
             })?;
         let (_, delays, states) = best;
         let joined = partner::found(&mut self.ballot, index, &election, &waits, states);
-        let (delays, states) = joined.unwrap_or((delays, states));
-        let clusters = optimal::cluster(&delays, index.resolution_s).into();
-        Some(Trigger { states, clusters })
+        Some(joined.unwrap_or((delays, states)))
     }
+}
+
+/// Whether own times that spread so far, and usually take so long, leave nothing to explain.
+fn is_tight(own_s: f64, usual_s: f64, resolution_s: f64) -> bool {
+    own_s <= (TIGHT_RESOLUTIONS * resolution_s).max(TIGHT_SHARE * usual_s)
 }
 
 /// Range of sorted times without a few outliers and without the two widest gaps: what up to three

@@ -256,14 +256,6 @@ impl Lanes {
         self.lanes[lane].has(Traits::WAITS)
     }
 
-    /// True where a transition that waits does so for a state.
-    #[inline]
-    pub fn waits_for(&self, usual: Usual, state: StateId) -> bool {
-        let Some(lane) = self.lanes[..self.states].get(state as usize) else { return false };
-        let place = lane.place_of_side() as u32;
-        self.side(usual.lane as usize).is_some_and(|side| side.due.contains(&place))
-    }
-
     /// Since when a lane that waits was due.
     #[inline(always)]
     pub fn due(&self, lane: usize, before: Nanoseconds, own: Nanoseconds) -> Option<Nanoseconds> {

@@ -4,17 +4,17 @@
 use crate::log::{Nanoseconds, SECOND};
 use crate::plant::{Plant, SignalClass};
 use crate::signal_state::chains::Chains;
-use crate::signal_state::enabling::Happenings;
-use crate::signal_state::parameters::Parameters;
+use crate::signal_state::enabling::{Happenings, Timed, Together};
+use crate::signal_state::parameters::{Parameters, Timing};
 use crate::signal_state::rules::Rule;
 use crate::signal_state::states::{StateId, States};
 
 use super::branches;
-use super::instances::Instances;
+use super::instances::{Instances, OfRule};
 use super::reading::{Events, GroupEvents};
 use super::share_out::{share_out, threads_for};
 use super::timing::{Bench, Study, Times};
-use super::walk::Walker;
+use super::walk::{Found, Walk, Walker};
 
 /// Transitions a thread takes at once.
 const AT_ONCE: usize = 256;
@@ -44,6 +44,7 @@ pub(super) fn teach(
     };
     let teacher = Teacher {
         events,
+        plant,
         chains: &Chains::of(plant),
         states,
         is_output: &(0..states.len() as StateId).map(is_output).collect::<Vec<_>>(),
@@ -63,6 +64,7 @@ struct OfGroup {
 
 struct Teacher<'a> {
     events: &'a Events,
+    plant: &'a Plant,
     chains: &'a Chains,
     states: &'a States,
     is_output: &'a [bool],
@@ -137,7 +139,8 @@ impl<'a> Teacher<'a> {
         };
         let chunks = in_order.len().div_ceil(AT_ONCE);
         let times = share_out(chunks, threads, bench, || self.bench(), times_of);
-        let times = times.into_iter().flatten();
+        let mut times: Vec<Times> = times.into_iter().flatten().collect();
+        self.look_again(&mut times, &in_order, (walk, instances, happenings));
         let ways = branches::ways(walk);
         let found = in_order.iter().map(|&rule| (&walk.rules[rule], ways[rule]));
         let rules = found.clone().zip(times).map(|((found, way), times)| Rule {
@@ -152,13 +155,44 @@ impl<'a> Teacher<'a> {
             position: 0,
             dispersion: way.dispersion as f32,
             clusters: times.clusters.into(),
-            trigger: times.trigger.map(Box::new),
+            trigger: times.explanation.trigger.map(Box::new),
         });
         OfGroup {
             rules: rules.collect(),
             first: found.map(|(found, _)| events.order[found.first as usize]).collect(),
             longest_pause: walk.longest_pause,
             start: walk.start,
+        }
+    }
+}
+
+/// What a group's events come to.
+type OfEvents<'a> = (&'a Walk, &'a Instances, Happenings<'a>);
+
+impl Teacher<'_> {
+    /// Once what all transitions wait for has been looked for, some are known to wait for what bears
+    /// their own time.
+    fn look_again(&self, times: &mut [Times], in_order: &[usize], of: OfEvents<'_>) {
+        // PLAT looks for nothing.
+        if self.study.parameters.timing != Timing::Adaptive {
+            return;
+        }
+        let (walk, instances, happenings) = of;
+        let mut places = Vec::new();
+        let mut timed: Vec<Timed<'_>> = Vec::new();
+        for (place, (&rule, times)) in in_order.iter().zip(times.iter_mut()).enumerate() {
+            if let OfRule::Device(instances) = instances.of(walk, rule) {
+                let Found { current, next, .. } = walk.rules[rule];
+                let explanation = &mut times.explanation;
+                places.push(place);
+                timed.push(Timed { current, next, instances, explanation });
+            }
+        }
+        let together = Together { index: happenings, plant: self.plant, states: self.states };
+        for changed in together.explain(&mut timed) {
+            let rule = in_order[places[changed]];
+            let of_rule = (&walk.rules[rule], instances.of(walk, rule));
+            times[places[changed]].count_odd_starts(of_rule, (happenings, &walk.first_steps));
         }
     }
 }

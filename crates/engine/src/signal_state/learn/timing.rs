@@ -2,7 +2,7 @@
 
 use crate::log::{Nanoseconds, SECOND};
 use crate::signal_state::dispersion;
-use crate::signal_state::enabling::{Entry, Happenings, Search, Trigger};
+use crate::signal_state::enabling::{Entry, Explanation, Happenings, Search};
 use crate::signal_state::parameters::{Parameters, Timing};
 use crate::timing::csk_means::CskMeans;
 use crate::timing::limits::BODY_INSTANCES;
@@ -14,9 +14,36 @@ use super::walk::Found;
 /// What is learned of the times of one transition.
 pub(super) struct Times {
     pub(super) clusters: Vec<TimeCluster>,
-    pub(super) trigger: Option<Trigger>,
+    pub(super) explanation: Explanation,
     /// First steps after a start or gap that took a time that is not usual.
     pub(super) odd_at_start: u32,
+}
+
+impl Times {
+    /// Counts the first steps that took a time that is not usual, of the clusters they are judged
+    /// by.
+    pub(super) fn count_odd_starts(
+        &mut self,
+        (rule, instances): (&Found, OfRule<'_>),
+        (happenings, first_steps): (Happenings<'_>, &[u32]),
+    ) {
+        let odd = match instances {
+            OfRule::Device(entries) if rule.uncounted > 0 => {
+                let trigger = self.explanation.trigger.as_ref();
+                let is_first = |entry: &Entry| first_steps.binary_search(&entry.place).is_ok();
+                let times = match trigger {
+                    Some(trigger) => trigger.delays(happenings, entries, rule.next),
+                    None => entries.iter().map(|entry| Some(seconds(entry.took))).collect(),
+                };
+                let judged = trigger.map_or(&self.clusters[..], |trigger| &trigger.clusters);
+                let first = entries.iter().zip(times).filter(|(entry, _)| is_first(entry));
+                first.filter_map(|(_, time)| time).filter(|&time| is_odd(judged, time)).count()
+            }
+            OfRule::Device(_) => 0,
+            OfRule::Group(_) => rule.uncounted as usize,
+        };
+        self.odd_at_start = odd as u32;
+    }
 }
 
 /// How times are learned.
@@ -48,28 +75,16 @@ impl Study<'_> {
         took.sort_unstable();
         sorted.clear();
         sorted.extend(took.iter().map(|&took| seconds(took)));
-        let trigger = match instances {
+        let explanation = match instances {
             OfRule::Device(entries) if self.parameters.timing == Timing::Adaptive => {
-                search.trigger(happenings, entries, sorted, (rule.current, rule.next))
+                search.explain(happenings, entries, sorted, (rule.current, rule.next))
             }
-            _ => None,
+            _ => Explanation::NONE,
         };
         let clusters = cluster(times, sorted, self.parameters, self.resolution);
-        let odd_at_start = match instances {
-            OfRule::Device(entries) if rule.uncounted > 0 => {
-                let is_first = |entry: &Entry| first_steps.binary_search(&entry.place).is_ok();
-                let times = match &trigger {
-                    Some(trigger) => trigger.delays(happenings, entries, rule.next),
-                    None => times.iter().copied().map(Some).collect(),
-                };
-                let judged = trigger.as_ref().map_or(&clusters[..], |trigger| &trigger.clusters);
-                let first = entries.iter().zip(times).filter(|(entry, _)| is_first(entry));
-                first.filter_map(|(_, time)| time).filter(|&time| is_odd(judged, time)).count()
-            }
-            OfRule::Device(_) => 0,
-            OfRule::Group(_) => rule.uncounted as usize,
-        };
-        Times { clusters, trigger, odd_at_start: odd_at_start as u32 }
+        let mut times = Times { clusters, explanation, odd_at_start: 0 };
+        times.count_odd_starts((rule, instances), (happenings, first_steps));
+        times
     }
 }
 

@@ -26,7 +26,6 @@ struct Step {
     of_device: Usual,
     /// Where the group's chain moves too.
     of_group: Option<(ChainIndex, Usual)>,
-    waits: bool,
 }
 
 impl Monitor {
@@ -108,50 +107,70 @@ impl Monitor {
     /// Takes any other usual row that is a scan of its own; false, and nothing taken, where it is not.
     #[inline(never)]
     fn take_particular(&mut self, row: Row) -> bool {
-        let Some(step) = self.usual_step(row) else { return false };
+        let Some(state) = self.usual_state(row) else { return false };
+        let Some(step) = self.usual_step(row, state, self.lanes.last_entry(state)) else {
+            return false;
+        };
+        self.lanes.enter(state, row.time);
         self.take_step(row, step);
         true
     }
 
-    /// Two rows of one scan, of two devices that have nothing to do with one another; false, and
-    /// nothing taken, where they have.
+    /// Two rows of one scan that are steps of different chains; false, and nothing taken, where they
+    /// are not.
     #[inline(never)]
     fn take_pair(&mut self, row: Row, next: Row) -> bool {
-        let (Some(one), Some(other)) = (self.usual_step(row), self.usual_step(next)) else {
+        let (Some(state), Some(other)) = (self.usual_state(row), self.usual_state(next)) else {
             return false;
         };
-        let together =
-            one.device == other.device || one.of_group.is_some() && other.of_group.is_some();
-        let hangs = |one: &Step, other: &Step| {
-            one.waits && self.lanes.waits_for(one.of_device, other.state)
-        };
-        if together || hangs(&one, &other) || hangs(&other, &one) {
+        let chains = &self.model.chains;
+        let [devices, groups] = [
+            [row, next].map(|row| Some(chains.device_chain(row.signal))),
+            [row, next].map(|row| chains.group_chain(row.signal)),
+        ];
+        if [devices, groups].iter().any(|[one, other]| one.is_some() && one == other) {
             return false;
         }
+        // Either may wait for the other: both are entered before either is judged.
+        let before = self.lanes.enter(state, row.time);
+        let before_other = self.lanes.enter(other, next.time);
+        let steps = self.usual_step(row, state, before);
+        let steps = steps.zip(self.usual_step(next, other, before_other));
+        let Some((step, other_step)) = steps else {
+            self.lanes.enter(other, before_other);
+            self.lanes.enter(state, before);
+            return false;
+        };
         // Their group remembers the last.
         let swapped = self.order.as_ref().is_some_and(|order| order.swaps(&row, &next));
-        let steps = if swapped { [(next, other), (row, one)] } else { [(row, one), (next, other)] };
-        for (row, step) in steps {
+        let (first, second) = ((row, step), (next, other_step));
+        for (row, step) in if swapped { [second, first] } else { [first, second] } {
             self.take_step(row, step);
         }
         true
     }
 
-    /// What a row comes to that is a scan of its own; `None` where anything about it is not usual.
+    /// The state that a boolean's change leads to; `None` where a row is none, or something else
+    /// is due before it.
     #[inline(always)]
-    fn usual_step(&mut self, row: Row) -> Option<Step> {
+    fn usual_state(&mut self, row: Row) -> Option<StateId> {
         let watch = &mut self.watch;
         if row.time >= watch.next_deadline {
             return None;
         }
         watch.values.change(row.signal, row.value)?;
-        let state = 2 * row.signal + row.value as u32;
+        Some(2 * row.signal + row.value as u32)
+    }
+
+    /// What a row comes to that leads to `state`, entered before at `before`; `None` where anything
+    /// about it is not usual.
+    #[inline(always)]
+    fn usual_step(&self, row: Row, state: StateId, before: Nanoseconds) -> Option<Step> {
         let device = self.model.chains.device_chain(row.signal);
         let here = self.watch.here[device];
         let (lane, since) = self.known(here, ChainKind::Device, state)?;
         let waits = self.lanes.waits(lane);
-        let since =
-            if waits { self.lanes.due(lane, self.lanes.last_entry(state), since)? } else { since };
+        let since = if waits { self.lanes.due(lane, before, since)? } else { since };
         let of_device = self.lanes.usual(lane, Timed::new(since, row.time, true).took)?;
         let of_group = if self.lanes.starts(state) {
             let group = here.clock as usize;
@@ -166,7 +185,7 @@ impl Monitor {
         } else {
             None
         };
-        Some(Step { state, device, clock: here.clock, of_device, of_group, waits })
+        Some(Step { state, device, clock: here.clock, of_device, of_group })
     }
 
     /// The lane of a chain's known transition to a state, and since when the chain stood where it
@@ -177,10 +196,10 @@ impl Monitor {
         Some((self.lanes.find(kind, here.state, state)?, here.since))
     }
 
+    /// Takes a row whose state has been entered.
     #[inline(always)]
     fn take_step(&mut self, row: Row, step: Step) {
         self.lanes.take(step.of_device);
-        self.lanes.enter(step.state, row.time);
         let watch = &mut self.watch;
         if let Some(change) = watch.values.change(row.signal, row.value) {
             change.take();
