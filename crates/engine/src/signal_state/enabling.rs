@@ -17,10 +17,12 @@ mod finalists;
 mod happenings;
 mod meetings;
 mod partner;
+mod seldom;
 mod window;
 
 pub use entries::{Entries, Entry, NO_RULE};
 pub use happenings::{Happening, Happenings};
+pub use seldom::{Joined, Usual, has_odd};
 
 use crate::log::Nanoseconds;
 use crate::timing::Clusters;

@@ -6,6 +6,7 @@ pub mod context;
 mod instances;
 pub mod lesson;
 pub mod merge;
+mod partners;
 mod reading;
 mod share_out;
 mod starting;

@@ -54,8 +54,8 @@ pub(super) fn sorted(
 }
 
 /// The same of each instance in turn, in seconds; infinite where there was no fresh one.
-pub(super) fn of_each(index: Happenings<'_>, waits: &[Wait], state: StateId) -> Vec<f64> {
-    let mut candidate = Occurrences::of(index, [state, NO_STATE]);
+pub(super) fn of_each(index: Happenings<'_>, waits: &[Wait], states: [StateId; 2]) -> Vec<f64> {
+    let mut candidate = Occurrences::of(index, states);
     waits.iter().map(|wait| candidate.delay(wait).map_or(f64::INFINITY, seconds)).collect()
 }
 

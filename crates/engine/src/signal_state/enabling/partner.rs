@@ -12,7 +12,7 @@ use super::{Entry, FINALISTS, GAIN, Happenings, window};
 
 /// So many instances must be left, and the partner must explain this share of them.
 const LEFT_AT_LEAST: usize = 3;
-const LEFT_EXPLAINED: f64 = 0.6;
+pub(super) const LEFT_EXPLAINED: f64 = 0.6;
 /// Windows of the two, in close widths.
 const WIDTHS: f64 = 1.5;
 
@@ -27,7 +27,7 @@ pub(super) fn found(
     if other != NO_STATE {
         return None;
     }
-    let delays = delays::of_each(index, waits, one);
+    let delays = delays::of_each(index, waits, [one, NO_STATE]);
     let mut sorted: Vec<f64> = delays.iter().copied().filter(|d| d.is_finite()).collect();
     sorted.sort_unstable_by(f64::total_cmp);
     let (low, high) = most_within(&sorted, election.close)?;

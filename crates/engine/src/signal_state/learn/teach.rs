@@ -11,6 +11,7 @@ use crate::signal_state::states::{StateId, States};
 
 use super::branches;
 use super::instances::Instances;
+use super::partners;
 use super::reading::{Events, GroupEvents};
 use super::share_out::{share_out, threads_for};
 use super::timing::{Bench, Study, Times};
@@ -44,6 +45,7 @@ pub(super) fn teach(
     };
     let teacher = Teacher {
         events,
+        plant,
         chains: &Chains::of(plant),
         states,
         is_output: &(0..states.len() as StateId).map(is_output).collect::<Vec<_>>(),
@@ -63,6 +65,7 @@ struct OfGroup {
 
 struct Teacher<'a> {
     events: &'a Events,
+    plant: &'a Plant,
     chains: &'a Chains,
     states: &'a States,
     is_output: &'a [bool],
@@ -132,7 +135,10 @@ impl<'a> Teacher<'a> {
         };
         let chunks = in_order.len().div_ceil(AT_ONCE);
         let times = share_out(chunks, threads, bench, || self.bench(), times_of);
-        let times = times.into_iter().flatten();
+        let mut times: Vec<Times> = times.into_iter().flatten().collect();
+        let (plant, states) = (self.plant, self.states);
+        let group = partners::Group { walk, instances, happenings, plant, states };
+        partners::take_over(&group, &in_order, &mut times);
         let ways = branches::ways(walk);
         let found = in_order.iter().map(|&rule| (&walk.rules[rule], ways[rule]));
         let rules = found.clone().zip(times).map(|((found, way), times)| Rule {

@@ -2,7 +2,7 @@
 
 use crate::log::{Nanoseconds, SECOND};
 use crate::signal_state::dispersion;
-use crate::signal_state::enabling::{Happenings, Search, Trigger};
+use crate::signal_state::enabling::{Happenings, Search, Trigger, Usual, has_odd};
 use crate::signal_state::parameters::{Parameters, Timing};
 use crate::timing::csk_means::CskMeans;
 use crate::timing::{self, TimeCluster, optimal};
@@ -14,6 +14,13 @@ use super::walk::Found;
 pub(super) struct Times {
     pub(super) clusters: Vec<TimeCluster>,
     pub(super) trigger: Option<Trigger>,
+}
+
+impl Times {
+    /// The times it is judged by: delays from what it waits for, where that is known.
+    pub(super) fn judged(&self) -> &[TimeCluster] {
+        self.trigger.as_ref().map_or(&self.clusters, |trigger| &trigger.clusters)
+    }
 }
 
 /// How times are learned.
@@ -44,13 +51,19 @@ impl Study<'_> {
         took.sort_unstable();
         sorted.clear();
         sorted.extend(took.iter().map(|&took| seconds(took)));
+        let clusters = cluster(times, sorted, self.parameters, self.resolution);
         let trigger = match instances {
             OfRule::Device(entries) if self.parameters.timing == Timing::Adaptive => {
-                search.trigger(happenings, entries, sorted, (rule.current, rule.next))
+                let way = (rule.current, rule.next);
+                let trigger = search.trigger(happenings, entries, sorted, way);
+                let judged = trigger.as_ref().map_or(clusters.as_slice(), |t| &t.clusters);
+                let usual = has_odd(judged)
+                    .then(|| Usual::of(happenings, entries, way, trigger.as_ref(), judged));
+                usual.flatten().and_then(|usual| usual.partner()).or(trigger)
             }
             _ => None,
         };
-        Times { clusters: cluster(times, sorted, self.parameters, self.resolution), trigger }
+        Times { clusters, trigger }
     }
 }
 
