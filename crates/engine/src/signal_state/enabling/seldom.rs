@@ -22,6 +22,8 @@ const USUAL: f64 = 2.0 / 3.0;
 /// how far they spread.
 const BEYOND_RESOLUTIONS: f64 = 2.0;
 const BEYOND_SHARE: f64 = 0.5;
+/// So many later times that agree are a second usual time.
+const STEADY: u32 = 3;
 /// A partner that an instance contradicts must explain so many more.
 const EXPLAINED_PER_CONTRADICTION: usize = 20;
 /// Share of the instances that may lack a fresh entry of the partner, besides one of each run.
@@ -39,10 +41,7 @@ pub struct Usual<'a> {
     waits: Vec<Wait>,
     /// From the trigger; infinite where it was not fresh.
     delays: Vec<f64>,
-    /// What counts as usual.
-    least_s: f64,
-    greatest_s: f64,
-    average_s: f64,
+    usually: Usually,
     odd: Vec<usize>,
 }
 
@@ -63,13 +62,46 @@ pub struct Joined {
     off_s: f64,
 }
 
-/// True where most times are usual and others are later.
-pub fn has_odd(clusters: &[TimeCluster]) -> bool {
-    usual(clusters).is_some_and(|usual| clusters.last().is_some_and(|last| last != usual))
+/// True where most times are usual and others are later, not at one other time.
+pub fn has_odd(clusters: &[TimeCluster], resolution_s: f64) -> bool {
+    Usually::of(clusters, resolution_s)
+        .is_some_and(|usually| usually.odd(clusters).next().is_some())
 }
 
-fn usual(clusters: &[TimeCluster]) -> Option<&TimeCluster> {
-    clusters.iter().find(|cluster| cluster.probability >= USUAL)
+/// The time that most instances take.
+#[derive(Clone, Copy)]
+struct Usually {
+    least_s: f64,
+    greatest_s: f64,
+    average_s: f64,
+}
+
+impl Usually {
+    fn of(clusters: &[TimeCluster], resolution_s: f64) -> Option<Self> {
+        let usual = clusters.iter().find(|cluster| cluster.probability >= USUAL)?;
+        let spread_s = usual.maximum_s - usual.minimum_s;
+        let beyond_s = (BEYOND_RESOLUTIONS * resolution_s).max(BEYOND_SHARE * spread_s);
+        Some(Self {
+            least_s: usual.minimum_s - beyond_s,
+            greatest_s: usual.maximum_s + beyond_s,
+            average_s: usual.average_s,
+        })
+    }
+
+    /// Clusters of later times that are no second usual time.
+    fn odd(self, clusters: &[TimeCluster]) -> impl Iterator<Item = &TimeCluster> {
+        let width_s = self.greatest_s - self.least_s;
+        let is_steady = move |cluster: &TimeCluster| {
+            cluster.instances >= STEADY && cluster.maximum_s - cluster.minimum_s <= width_s
+        };
+        clusters
+            .iter()
+            .filter(move |cluster| cluster.minimum_s > self.greatest_s && !is_steady(cluster))
+    }
+
+    fn holds(self, delay_s: f64) -> bool {
+        (self.least_s..=self.greatest_s).contains(&delay_s)
+    }
 }
 
 impl<'a> Usual<'a> {
@@ -87,27 +119,14 @@ impl<'a> Usual<'a> {
         if partner != NO_STATE || instances.len() < INSTANCES_AT_LEAST {
             return None;
         }
-        let usual = usual(clusters)?;
+        let usually = Usually::of(clusters, index.resolution_s)?;
         let waits = delays::waits(index, instances, next);
         let delays = delays::of_each(index, &waits, [trigger, NO_STATE]);
-        let spread = usual.maximum_s - usual.minimum_s;
-        let beyond = (BEYOND_RESOLUTIONS * index.resolution_s).max(BEYOND_SHARE * spread);
-        let (least_s, greatest_s) = (usual.minimum_s - beyond, usual.maximum_s + beyond);
-        let is_odd = |&at: &usize| delays[at].is_finite() && delays[at] > greatest_s;
-        let odd = (0..delays.len()).filter(is_odd).collect();
-        let average_s = usual.average_s;
-        Some(Self {
-            index,
-            instances,
-            next,
-            trigger,
-            waits,
-            delays,
-            least_s,
-            greatest_s,
-            average_s,
-            odd,
-        })
+        let odd = |delay: f64| {
+            usually.odd(clusters).any(|c| (c.minimum_s..=c.maximum_s).contains(&delay))
+        };
+        let odd = (0..delays.len()).filter(|&at| odd(delays[at])).collect();
+        Some(Self { index, instances, next, trigger, waits, delays, usually, odd })
     }
 
     /// The trigger with a partner that explains most of the odd instances.
@@ -117,7 +136,20 @@ impl<'a> Usual<'a> {
         met.retain(|_, times| *times >= enough.max(1));
         let joined = met.into_keys().map(|state| self.joined(state));
         let joined = joined.filter(|joined| {
-            joined.is_sound() && joined.chance * self.offered() as f64 <= BY_CHANCE
+            joined.is_sound() && {
+                let c = joined.chance * self.offered() as f64;
+                if std::env::var("DBG").is_ok() {
+                    eprintln!(
+                        "chance {c} {} {} ex {} left {} n {}",
+                        self.next,
+                        joined.partner,
+                        joined.explained,
+                        joined.left,
+                        self.delays.len()
+                    );
+                }
+                c <= std::env::var("CH").map_or(BY_CHANCE, |v| v.parse().unwrap())
+            }
         });
         let best = joined
             .min_by(|a, b| b.explained.cmp(&a.explained).then(a.off_s.total_cmp(&b.off_s)))?;
@@ -138,8 +170,8 @@ impl<'a> Usual<'a> {
     /// States met at the usual time before an instance, each once.
     fn met(&self, instance: &Entry) -> Vec<StateId> {
         let &Entry { time, place, .. } = instance;
-        let earliest = time - nanoseconds(self.greatest_s);
-        let latest = time - nanoseconds(self.least_s.max(0.0));
+        let earliest = time - nanoseconds(self.usually.greatest_s);
+        let latest = time - nanoseconds(self.usually.least_s.max(0.0));
         let happenings = self.index.happenings;
         let start = happenings.partition_point(|other| other.time < earliest);
         let near = happenings[start..].iter().zip(start..);
@@ -176,19 +208,21 @@ impl<'a> Usual<'a> {
         let delays = delays::of_each(self.index, &self.waits, [self.trigger, partner]);
         let (mut explained, mut contradicted, mut stale) = (0, 0, 0);
         let (mut chance, mut off_s) = (1.0, 0.0);
-        let width = self.greatest_s - self.least_s.max(0.0);
-        for (&alone, &joined) in self.delays.iter().zip(&delays) {
+        let width = self.usually.greatest_s - self.usually.least_s.max(0.0);
+        let mut odd = self.odd.iter().copied().peekable();
+        for (at, (&alone, &joined)) in self.delays.iter().zip(&delays).enumerate() {
+            let is_odd = odd.next_if_eq(&at).is_some();
             if joined == alone {
                 continue;
             }
             if joined.is_infinite() {
                 stale += 1;
-            } else if joined < self.least_s || joined > self.greatest_s {
+            } else if !self.usually.holds(joined) {
                 contradicted += 1;
-            } else if alone > self.greatest_s {
+            } else if is_odd {
                 explained += 1;
                 chance *= (width / alone).min(1.0);
-                off_s += (joined - self.average_s).abs();
+                off_s += (joined - self.usually.average_s).abs();
             }
         }
         let left = self.odd.len() - explained;

@@ -38,9 +38,9 @@ type Kin = (u64, i64);
 /// Sisters: where they lead from and to, and what they wait for.
 type Family = [Kin; 3];
 
-/// A partner as sisters have it: its numbers as they are, or counted from the transition's.
+/// A state as sisters have it: its numbers as they are, or counted from the transition's.
 #[derive(Debug, Clone, PartialEq, Eq, PartialOrd, Ord)]
-struct Partner {
+struct Member {
     kin: Kin,
     numbers: Vec<Number>,
 }
@@ -51,11 +51,14 @@ enum Number {
     Counted(i64),
 }
 
-/// What is known of a family's partners: how many sisters have one, and each.
+/// A trigger and its partner as sisters have them.
+type Pair = [Member; 2];
+
+/// What is known of a family: how many sisters have a partner, and how many each pair.
 #[derive(Default)]
 struct Known {
     sisters: usize,
-    have: BTreeMap<Partner, usize>,
+    have: BTreeMap<Pair, usize>,
 }
 
 /// A partner that a transition does not contradict.
@@ -76,9 +79,9 @@ pub(super) fn take_over(group: &Group<'_>, rules: &[usize], times: &mut [Times])
     for (&rule, times) in rules.iter().zip(&*times) {
         let Some([one, other]) = pair(times) else { continue };
         let found = &group.walk.rules[rule];
-        for (trigger, partner) in [(one, other), (other, one)] {
-            let Some(family) = names.family(found, trigger) else { continue };
-            families.entry(family).or_default().learn(names.partners(found, partner));
+        for pair in [[one, other], [other, one]] {
+            let Some(family) = names.family(found, pair[0]) else { continue };
+            families.entry(family).or_default().learn(names.pairs(found, pair));
         }
     }
     let mut open = BTreeMap::<Family, Vec<usize>>::new();
@@ -96,8 +99,8 @@ pub(super) fn take_over(group: &Group<'_>, rules: &[usize], times: &mut [Times])
             let found = &group.walk.rules[rules[place]];
             let shown = group.shown(&names, known, rules[place], &times[place]);
             let is_open = shown.is_none();
-            if let Some((partner, trigger)) = shown {
-                known.learn(names.partners(found, partner));
+            if let Some(trigger) = shown {
+                known.learn(names.pairs(found, trigger.states));
                 times[place].trigger = Some(trigger);
             }
             is_open
@@ -121,10 +124,10 @@ fn alone(found: &Found, times: &Times) -> Option<StateId> {
 }
 
 impl Known {
-    fn learn(&mut self, partners: Vec<Partner>) {
+    fn learn(&mut self, pairs: Vec<Pair>) {
         self.sisters += 1;
-        for partner in partners {
-            *self.have.entry(partner).or_default() += 1;
+        for pair in pairs {
+            *self.have.entry(pair).or_default() += 1;
         }
     }
 }
@@ -138,24 +141,19 @@ impl<'a> Group<'a> {
     }
 
     /// A partner of some sister that odd instances of a transition show.
-    fn shown(
-        &self,
-        names: &Names,
-        known: &Known,
-        rule: usize,
-        times: &Times,
-    ) -> Option<(StateId, Trigger)> {
-        if !has_odd(times.judged()) {
+    fn shown(&self, names: &Names, known: &Known, rule: usize, times: &Times) -> Option<Trigger> {
+        if !has_odd(times.judged(), self.happenings.resolution_s) {
             return None;
         }
         let found = &self.walk.rules[rule];
         let usual = self.usual(rule, times)?;
         let met = usual.met_by_odd();
-        let states = known.have.keys().filter_map(|partner| names.state(self, found, partner));
+        let alone = alone(found, times)?;
+        let states = known.have.keys().filter_map(|pair| names.partner(self, found, alone, pair));
         let states: BTreeSet<StateId> = states.filter(|state| met.contains_key(state)).collect();
         let joined = states.into_iter().map(|state| usual.joined(state)).filter(Joined::is_shown);
         let best = joined.min_by(Joined::by_merit)?;
-        Some((best.partner, usual.with(best)))
+        Some(usual.with(best))
     }
 
     /// Partners that enough sisters have, for those of the `open` transitions that show nothing.
@@ -171,15 +169,18 @@ impl<'a> Group<'a> {
         let is_common = |have: usize, strangers: usize| {
             have >= SISTERS_AT_LEAST && have >= SISTERS_PER_STRANGER * strangers
         };
-        for (partner, &have) in &known.have {
+        for (pair, &have) in &known.have {
             let mut strangers = known.sisters - have;
-            if !is_common(have, strangers) {
+            // Where sisters share one and the same, there is no telling who else does.
+            if !is_common(have, strangers) || pair[1].is_fixed() {
                 continue;
             }
             let mut fit = Vec::new();
             for &place in open {
                 let found = &self.walk.rules[rules[place]];
-                let Some(state) = names.state(self, found, partner) else { continue };
+                let state = alone(found, &times[place])
+                    .and_then(|alone| names.partner(self, found, alone, pair));
+                let Some(state) = state else { continue };
                 let Some(usual) = self.usual(rules[place], &times[place]) else { continue };
                 let joined = usual.joined(state);
                 if joined.is_sound() {
@@ -245,10 +246,15 @@ impl Names {
         Some([current?, next?, trigger?])
     }
 
-    /// All that a partner may be to sisters.
-    fn partners(&self, found: &Found, partner: StateId) -> Vec<Partner> {
-        let (Some((_, own)), Some((kin, numbers))) = (self.kin(found.next), self.kin(partner))
-        else {
+    /// All that a trigger and its partner may be to sisters.
+    fn pairs(&self, found: &Found, [trigger, partner]: [StateId; 2]) -> Vec<Pair> {
+        let partners = self.members(found, partner);
+        let with = |trigger: Member| partners.iter().map(move |p| [trigger.clone(), p.clone()]);
+        self.members(found, trigger).into_iter().flat_map(with).collect()
+    }
+
+    fn members(&self, found: &Found, state: StateId) -> Vec<Member> {
+        let (Some((_, own)), Some((kin, numbers))) = (self.kin(found.next), self.kin(state)) else {
             return Vec::new();
         };
         let may_count = own.len().min(numbers.len()).min(COUNTED_AT_MOST);
@@ -257,22 +263,43 @@ impl Names {
                 let is_counted = at < may_count && counted >> at & 1 == 1;
                 if is_counted { Number::Counted(number - own[at]) } else { Number::Fixed(number) }
             };
-            Partner { kin, numbers: numbers.iter().enumerate().map(number).collect() }
+            Member { kin, numbers: numbers.iter().enumerate().map(number).collect() }
         });
         all.collect()
     }
 
-    /// The state that a partner of sisters is to a transition; `None` where there is none.
-    fn state(&self, group: &Group<'_>, found: &Found, partner: &Partner) -> Option<StateId> {
+    /// The partner in a pair of sisters, as it is to a transition that waits `alone` for its
+    /// trigger; `None` where there is none.
+    fn partner(
+        &self,
+        group: &Group<'_>,
+        found: &Found,
+        alone: StateId,
+        [trigger, partner]: &Pair,
+    ) -> Option<StateId> {
+        if self.state(group, found, trigger)? != alone {
+            return None;
+        }
+        let state = self.state(group, found, partner)?;
+        (![found.current, found.next, alone].contains(&state)).then_some(state)
+    }
+
+    /// A state of sisters as it is to a transition.
+    fn state(&self, group: &Group<'_>, found: &Found, member: &Member) -> Option<StateId> {
         let (_, own) = self.kin(found.next)?;
-        let numbers = partner.numbers.iter().enumerate().map(|(at, number)| match *number {
+        let numbers = member.numbers.iter().enumerate().map(|(at, number)| match *number {
             Number::Fixed(number) => Some(number),
             Number::Counted(from) => Some(own.get(at)? + from),
         });
-        let (stem, value) = partner.kin;
+        let (stem, value) = member.kin;
         let signal = *self.called.get(&(stem, numbers.collect::<Option<_>>()?))?;
         let state = group.states.find(signal, value)?;
-        let is_other = state != found.current && state != found.next;
-        (is_other && self.signal_value.contains_key(&state)).then_some(state)
+        self.signal_value.contains_key(&state).then_some(state)
+    }
+}
+
+impl Member {
+    fn is_fixed(&self) -> bool {
+        self.numbers.iter().all(|number| matches!(number, Number::Fixed(_)))
     }
 }

@@ -57,7 +57,7 @@ impl Study<'_> {
                 let way = (rule.current, rule.next);
                 let trigger = search.trigger(happenings, entries, sorted, way);
                 let judged = trigger.as_ref().map_or(clusters.as_slice(), |t| &t.clusters);
-                let usual = has_odd(judged)
+                let usual = has_odd(judged, happenings.resolution_s)
                     .then(|| Usual::of(happenings, entries, way, trigger.as_ref(), judged));
                 usual.flatten().and_then(|usual| usual.partner()).or(trigger)
             }
