@@ -16,12 +16,14 @@ mod entries;
 mod finalists;
 mod happenings;
 mod meetings;
+mod nominated;
 mod partner;
 mod seldom;
 mod window;
 
 pub use entries::{Entries, Entry, NO_RULE};
 pub use happenings::{Happening, Happenings};
+pub use nominated::better;
 pub use seldom::{Joined, Usual, has_odd};
 
 use crate::log::Nanoseconds;

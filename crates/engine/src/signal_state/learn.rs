@@ -4,6 +4,7 @@ mod branches;
 mod clock;
 pub mod context;
 mod instances;
+mod kinship;
 pub mod lesson;
 pub mod merge;
 mod partners;

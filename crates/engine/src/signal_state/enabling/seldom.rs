@@ -30,7 +30,7 @@ const EXPLAINED_PER_CONTRADICTION: usize = 20;
 const NOT_FRESH: f64 = 0.02;
 /// So many partners may chance offer, in a search and of one that sisters have.
 const BY_CHANCE: f64 = 0.01;
-const BY_CHANCE_OF_SISTERS: f64 = 0.05;
+const BY_CHANCE_OF_SISTERS: f64 = 0.3;
 
 /// The usual time of a transition since its trigger, and the instances that came later.
 pub struct Usual<'a> {
@@ -56,6 +56,8 @@ pub struct Joined {
     left: usize,
     contradicted: usize,
     fresh: bool,
+    /// True where the partner is entered once for every time the transition happens.
+    pub alternates: bool,
     /// How probable it is that an unrelated state explains as many.
     chance: f64,
     /// How far those are from the average, in all.
@@ -135,24 +137,10 @@ impl<'a> Usual<'a> {
         let enough = (LEFT_EXPLAINED * self.odd.len() as f64).ceil() as usize;
         met.retain(|_, times| *times >= enough.max(1));
         let joined = met.into_keys().map(|state| self.joined(state));
-        let joined = joined.filter(|joined| {
-            joined.is_sound() && {
-                let c = joined.chance * self.offered() as f64;
-                if std::env::var("DBG").is_ok() {
-                    eprintln!(
-                        "chance {c} {} {} ex {} left {} n {}",
-                        self.next,
-                        joined.partner,
-                        joined.explained,
-                        joined.left,
-                        self.delays.len()
-                    );
-                }
-                c <= std::env::var("CH").map_or(BY_CHANCE, |v| v.parse().unwrap())
-            }
-        });
-        let best = joined
-            .min_by(|a, b| b.explained.cmp(&a.explained).then(a.off_s.total_cmp(&b.off_s)))?;
+        let offered = self.offered() as f64;
+        let joined =
+            joined.filter(|joined| joined.is_sound() && joined.chance * offered <= BY_CHANCE);
+        let best = joined.min_by(Joined::by_merit)?;
         Some(self.with(best))
     }
 
@@ -234,7 +222,9 @@ impl<'a> Usual<'a> {
         let n = delays.len() as f64;
         let may_lack = self.index.run_starts.len() as f64 + NOT_FRESH * n;
         let fresh = f64::from(stale) <= may_lack && fresh as f64 >= EXPLAINED * n;
-        Joined { partner, delays, explained, left, contradicted, fresh, chance, off_s }
+        let others = delays::not_once(self.index, &self.waits, partner);
+        let alternates = others <= self.index.run_starts.len();
+        Joined { partner, delays, explained, left, contradicted, fresh, alternates, chance, off_s }
     }
 
     /// The trigger with a partner.
