@@ -99,9 +99,9 @@ impl<'a> Kinship<'a> {
         all.collect()
     }
 
-    /// The state that a relative of sisters is to a transition, if it was ever entered.
-    pub(super) fn state(&self, found: &Found, relative: &Relative) -> Option<StateId> {
-        let own = self.own(found);
+    /// The state that a relative of sisters is to a transition of these numbers, if it was ever
+    /// entered.
+    pub(super) fn state(&self, own: &[i64], relative: &Relative) -> Option<StateId> {
         let numbers = relative.numbers.iter().enumerate().map(|(at, number)| match *number {
             Number::Fixed(number) => Some(number),
             Number::Counted(from) => Some(own.get(at)? + from),
@@ -112,7 +112,8 @@ impl<'a> Kinship<'a> {
         (!self.walk.entries.of(state).is_empty()).then_some(state)
     }
 
-    fn own(&self, found: &Found) -> Vec<i64> {
+    /// The numbers of a transition.
+    pub(super) fn own(&self, found: &Found) -> Vec<i64> {
         numbers(self.plant, self.states.signal_value(found.next).0)
     }
 

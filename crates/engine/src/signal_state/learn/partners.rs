@@ -152,14 +152,18 @@ impl<'a> Table<'a> {
     fn better(&self, known: &Known, place: usize, times: &Times) -> Option<Trigger> {
         let found = self.found(place);
         let has = waits_for(found, times);
+        let own = self.kinship.own(found);
         let states = |[one, other]: &Pair| {
-            let one = self.kinship.state(found, one)?;
-            let other = self.kinship.state(found, other)?;
+            // Each comes in both orders.
+            if one > other {
+                return None;
+            }
+            let one = self.kinship.state(&own, one)?;
+            let other = self.kinship.state(&own, other)?;
             // A single trigger may lack a partner only.
             let holds = |state: StateId| state == one || state == other;
             let is_new = !(holds(has[0]) && (has[1] == NO_STATE || holds(has[1])));
-            (one < other && one != found.next && other != found.next && is_new)
-                .then_some([one, other])
+            (one != other && !holds(found.next) && is_new).then_some([one, other])
         };
         let pairs: Vec<[StateId; 2]> = known.pairs.keys().filter_map(states).collect();
         let OfRule::Device(entries) = self.instances(place) else { return None };
@@ -173,7 +177,9 @@ impl<'a> Table<'a> {
         }
         let usual = self.usual(place, times)?;
         let met = usual.met_by_odd();
-        let states = known.pairs.keys().filter_map(|pair| self.partner(place, times, pair));
+        let own = self.kinship.own(self.found(place));
+        let partner = |pair: &Pair| self.partner(place, &own, times, pair);
+        let states = known.pairs.keys().filter_map(partner);
         let states: BTreeSet<StateId> = states.filter(|state| met.contains_key(state)).collect();
         let joined = states.into_iter().map(|state| usual.joined(state));
         let best = joined.filter(Joined::is_shown).min_by(Joined::by_merit)?;
@@ -194,7 +200,9 @@ impl<'a> Table<'a> {
             }
             let mut fit = Vec::new();
             for &place in open {
-                let Some(state) = self.partner(place, &times[place], pair) else { continue };
+                let own = self.kinship.own(self.found(place));
+                let state = self.partner(place, &own, &times[place], pair);
+                let Some(state) = state else { continue };
                 let Some(usual) = self.usual(place, &times[place]) else { continue };
                 let joined = usual.joined(state);
                 if !joined.is_sound() {
@@ -221,13 +229,19 @@ impl<'a> Table<'a> {
     }
 
     /// The second of a pair of sisters to a transition that waits for no more than the first.
-    fn partner(&self, place: usize, times: &Times, [one, other]: &Pair) -> Option<StateId> {
+    fn partner(
+        &self,
+        place: usize,
+        own: &[i64],
+        times: &Times,
+        [one, other]: &Pair,
+    ) -> Option<StateId> {
         let found = self.found(place);
         let [trigger, _] = waits_for(found, times);
-        if self.kinship.state(found, one)? != trigger {
+        if self.kinship.state(own, one)? != trigger {
             return None;
         }
-        let partner = self.kinship.state(found, other)?;
+        let partner = self.kinship.state(own, other)?;
         (![found.current, found.next, trigger].contains(&partner)).then_some(partner)
     }
 
