@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pyarrow as pa
+import pytest
 
 import runglight as rl
 
@@ -40,7 +41,7 @@ class Line:
     stop: Extra = none
     start: Extra = none
     rows: list[tuple[float, str, int]] = field(default_factory=list)
-    waited: set[int] = field(default_factory=set)
+    waited: list[int] = field(default_factory=list)
     """Stations that were done before the next one was free."""
 
     def run(self, parts: int) -> rl.Log:
@@ -58,7 +59,7 @@ class Line:
                 at_s += draw.uniform(1.5, 2.5) + self.work(station, part)
                 done_s = self.put(at_s, f"{clamp}-Closed", 0)
                 if done_s < free_s[station + 1]:
-                    self.waited.add(station)
+                    self.waited.append(station)
                 due_s = max(done_s, free_s[station + 1]) + self.start(station, part)
                 at_s = self.put(due_s + draw.uniform(0.04, 0.06), f"{conveyor}-Run", 1)
                 at_s = self.put(at_s + draw.uniform(0.9, 0.92), f"{conveyor}-Present", 0)
@@ -96,13 +97,18 @@ def learned(names: tuple[str, ...]) -> rl.NominalModel:
     line = Line(names, seed=1, work=now_and_then)
     log = line.run(120)
     assert THIRD not in line.waited
-    assert {0, 1, 3} <= line.waited
+    assert {0, 1, 3} <= set(line.waited)
     return rl.learn(log, timing="adaptive")
 
 
 def waits_for(names: Sequence[str], station: int) -> set[str]:
-    rules = pa.table(learned(tuple(names)).rules()).to_pylist()
-    conveyor = f"Line1-{names[station]}Conv-Run_ON"
+    return trigger_of(learned(tuple(names)), names[station])
+
+
+def trigger_of(model: rl.NominalModel, name: str) -> set[str]:
+    """What a station's conveyor waits for."""
+    rules = pa.table(model.rules()).to_pylist()
+    conveyor = f"Line1-{name}Conv-Run_ON"
     (trigger,) = {rule["trigger"] for rule in rules if rule["next"] == conveyor}
     return set((trigger or "").split(" & "))
 
@@ -125,6 +131,16 @@ def test_a_station_that_never_waited_waits_for_what_its_sisters_do() -> None:
 
 def test_without_numbers_a_station_waits_for_what_it_showed() -> None:
     assert waits_for(UNLIKE, THIRD) == {f"Line1-{UNLIKE[THIRD]}Clamp-Closed_OFF"}
+
+
+@pytest.mark.parametrize("times", [1, 2])
+def test_without_numbers_two_waits_show_a_partner_and_one_is_chance(times: int) -> None:
+    late = {(THIRD + 1, 50): 8.0, (THIRD + 1, 90): 10.0} if times == 2 else {(THIRD + 1, 50): 8.0}
+    line = Line(UNLIKE, seed=1, work=lambda *of: late.get(of) or now_and_then(*of))
+    model = rl.learn(line.run(120), timing="adaptive")
+    assert line.waited.count(THIRD) == times
+    partner = {"Line1-TurnConv-Run_OFF"} if times == 2 else set()
+    assert trigger_of(model, "Glue") == {"Line1-GlueClamp-Closed_OFF"} | partner
 
 
 def test_the_last_station_has_no_next_one_to_wait_for() -> None:

@@ -20,6 +20,10 @@ use super::walk::{Found, Walk};
 const SISTERS_AT_LEAST: usize = 2;
 const SISTERS_PER_STRANGER: usize = 4;
 
+/// Joins of one family that are held against its transitions: the commonest. Sisters of one make
+/// have few.
+const PAIRS_AT_MOST: usize = 128;
+
 /// A group that has been walked through.
 pub(super) struct Group<'a> {
     pub(super) walk: &'a Walk,
@@ -99,6 +103,16 @@ impl Known {
             *self.pairs.entry(pair).or_default() += 1;
         }
     }
+
+    fn keep_commonest(&mut self) {
+        if self.pairs.len() > PAIRS_AT_MOST {
+            let mut pairs: Vec<(Pair, usize)> =
+                std::mem::take(&mut self.pairs).into_iter().collect();
+            pairs.sort_by_key(|(_, have)| std::cmp::Reverse(*have));
+            pairs.truncate(PAIRS_AT_MOST);
+            self.pairs = pairs.into_iter().collect();
+        }
+    }
 }
 
 /// The transitions of a group by their places, and who is whose sister.
@@ -122,6 +136,7 @@ impl<'a> Table<'a> {
                 families.entry(family).or_default().add(self.pairs(place, states));
             }
         }
+        families.values_mut().for_each(Known::keep_commonest);
         families
     }
 
