@@ -158,9 +158,21 @@ def test_logs_go_to_and_come_from_arrow_libraries(library: str) -> None:
     assert set(again.signals) <= set(log.signals)
 
 
+def test_a_table_is_read_learned_and_watched_like_a_log() -> None:
+    table = pytest.importorskip("pyarrow").table(simulated(cycles=30))
+    model = runglight.learn(table)
+    backwards = table.sort_by([("time", "descending")])
+    log = runglight.read_log(backwards, reorder_s=1e6)
+    assert list(model.watch(table)) == list(model.watch(runglight.read_log(table)))
+    assert len(log) == len(table)
+    with pytest.raises(runglight.InputError, match="read_log: delimiter says how a file is read"):
+        runglight.read_log(table, delimiter=";")
+
+
 def test_what_is_no_table_is_refused() -> None:
-    with pytest.raises(runglight.InputError, match="a list is no Arrow table"):
-        runglight.Log.from_arrow([1, 2, 3])
+    for take in (runglight.Log.from_arrow, runglight.read_log):
+        with pytest.raises(runglight.InputError, match="a list is no Arrow table"):
+            take([1, 2, 3])
 
 
 @pytest.mark.parametrize(

@@ -13,7 +13,7 @@ from runglight.configuration import Cycle, Modes, Parameters, cycle_json
 from runglight.cycle_model import CycleModel
 from runglight.errors import InputError
 from runglight.findings.batch import Findings
-from runglight.log.changelog import Log
+from runglight.log.changelog import Log, as_log
 from runglight.log.symbols import read_symbols
 from runglight.moments import nanoseconds
 from runglight.monitoring import MonitorVerbs
@@ -167,8 +167,9 @@ class NominalModel:
         """True for what `part` gives."""
         return self._engine.is_part
 
-    def watch(self, log: Log) -> Iterator[dict[str, Any]]:
-        """The findings of a whole log, one dictionary each."""
+    def watch(self, log: Log | Any) -> Iterator[dict[str, Any]]:
+        """The findings of a whole log, or of an Arrow table of one, one dictionary each."""
+        log = as_log(log)
         monitor = self.monitor()
         for offset in range(0, len(log), ROWS_AT_ONCE):
             yield from monitor.observe_slice(log, offset, ROWS_AT_ONCE)
@@ -236,8 +237,6 @@ def load_model(directory: str | PathLike[str]) -> NominalModel:
 
 
 def _logs(logs: Any) -> list[Log]:
-    if isinstance(logs, Log):
-        return [logs]
     if hasattr(logs, "__arrow_c_stream__"):
-        return [Log.from_arrow(logs)]
-    return [log if isinstance(log, Log) else Log.from_arrow(log) for log in logs]
+        return [as_log(logs)]
+    return [as_log(log) for log in logs]

@@ -22,11 +22,11 @@ use runglight_engine::signal_state::states::{NO_STATE, StateId, StateNames, Stat
 use runglight_engine::timing::{Clusters, TimeCluster};
 
 const TEXT: [&str; 7] = ["model", "group", "device", "current", "next", "trigger", "trigger_times"];
-const WHOLE: [&str; 6] =
-    ["count", "cluster", "position", "uncounted", "sequence", "cluster_instances"];
+const WHOLE: [&str; 7] =
+    ["count", "cluster", "position", "uncounted", "sequence", "cluster_instances", "odd_at_start"];
 
 /// Column names in order; text, whole numbers and the rest floats.
-const COLUMNS: [&str; 30] = [
+const COLUMNS: [&str; 31] = [
     "model",
     "group",
     "device",
@@ -57,6 +57,7 @@ const COLUMNS: [&str; 30] = [
     "late_scale_s",
     "tail_gini",
     "cluster_dispersion",
+    "odd_at_start",
 ];
 
 /// What follows from other columns: written for those who read the table, not read back.
@@ -206,6 +207,7 @@ fn push_row(
         of(|c| c.late_scale_s.into()),
         of(|c| c.tail_gini.into()),
         of(|c| c.dispersion.into()),
+        Cell::Whole(Some(i64::from(rule.odd_at_start))),
     ];
     for (column, cell) in columns.iter_mut().zip(&cells) {
         column.push(cell);
@@ -255,6 +257,7 @@ pub fn from_batches(
                         next,
                         count: small(table.count, row)?,
                         uncounted: small(table.uncounted, row)?,
+                        odd_at_start: small(table.odd_at_start, row)?,
                         probability: real(table.probability, row)?,
                         sequence: small(table.sequence, row)?,
                         position: small(table.position, row)?,
@@ -348,6 +351,7 @@ struct Table<'a> {
     early_scale_s: &'a Float64Array,
     tail_gini: &'a Float64Array,
     cluster_dispersion: &'a Float64Array,
+    odd_at_start: &'a Int64Array,
 }
 
 fn text(column: &StringArray, row: usize) -> Option<&str> {
@@ -400,6 +404,8 @@ impl<'a> Table<'a> {
             early_scale_s: reals("early_scale_s")?,
             tail_gini: reals("tail_gini")?,
             cluster_dispersion: reals("cluster_dispersion")?,
+            // Models from before it was told apart took all of a start for odd.
+            odd_at_start: wholes("odd_at_start").or_else(|| wholes("uncounted"))?,
         })
     }
 

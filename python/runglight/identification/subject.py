@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from runglight.log.changelog import Log, arrow_table, read_log_with
+from runglight.log.changelog import Log, as_log, read_log_with
 from runglight.log.options import ReadOptions
 from runglight.log.symbols import names_by_address, read_symbols
 from runglight.recording.layout import is_recording
@@ -45,10 +45,8 @@ def subject_of(
     names: dict[str, str] = {}
     if symbols is not None:
         names = names_by_address(read_symbols(Path(symbols)), naming)
-    if isinstance(source, Log):
-        return Subject(source, names=names)
     if not isinstance(source, str | Path):
-        return Subject(Log.from_arrow(arrow_table(source)), names=names)
+        return Subject(as_log(source), names=names)
     if is_recording(Path(source)):
         return of_recording(Path(source), names)
     return Subject(read_log_with(source, options or ReadOptions()), names=names)

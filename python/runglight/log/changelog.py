@@ -145,19 +145,28 @@ class Log:
         return _engine.write_log(self._engine, os.fspath(target), chosen)
 
 
-def read_log(path: str | PathLike[str] | None = None, **options: Any) -> Log:
+def read_log(source: str | PathLike[str] | Any = None, **options: Any) -> Log:
     """Reads CSV, Parquet, XES, VCD, or the directory of a recording.
 
-    Without a path, the table that `sql` and `table` name.
+    Without a source, the table that `sql` and `table` name.
 
-    A directory that `runglight import --sql … --to DIR` filled is read too.
+    A directory that `runglight import --sql … --to DIR` filled is read too, and a pyarrow, polars
+    or pandas (2.2 or newer) table with the columns `time`, `signal`, `value`.
 
-    `options` are the fields of `runglight.ReadOptions`.
+    `options` are the fields of `runglight.ReadOptions`; of a table in memory only `bits` and
+    `reorder_s` mean something. Raises InputError for anything else.
     """
     checked = convert(options, ReadOptions, "read_log")
-    if (path is None) == (checked.sql is None):
+    if (source is None) == (checked.sql is None):
         raise InputError("read_log: give either the path of a file, or sql and table")
-    return read_log_with(path, checked)
+    if source is None or isinstance(source, str | os.PathLike):
+        return read_log_with(source, checked)
+    idle = sorted(options.keys() - {"bits", "reorder_s"})
+    if idle:
+        raise InputError(
+            f"read_log: {', '.join(idle)} says how a file is read; leave it out for a table"
+        )
+    return split_words(Log.from_arrow(source, reorder_s=checked.reorder_s), checked.bits)
 
 
 def read_log_with(path: str | PathLike[str] | None, options: ReadOptions) -> Log:
@@ -200,6 +209,11 @@ def split_words(log: Log, words: Sequence[str]) -> Log:
         return log.split_words(words)
     except InputError as error:
         raise InputError(f"{log.path}: {error}") from None
+
+
+def as_log(log: Log | Any) -> Log:
+    """The log itself, or the log of an Arrow table. InputError where it is neither."""
+    return log if isinstance(log, Log) else Log.from_arrow(log)
 
 
 def arrow_table(table: Any) -> Any:

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 from runglight import _engine
 from runglight.errors import InputError
-from runglight.log.changelog import Log, arrow_table
+from runglight.log.changelog import Log, as_log
 from runglight.log.symbols import read_symbols
 
 if TYPE_CHECKING:
@@ -114,5 +114,5 @@ def event_log(
     if not reset:
         raise InputError("event_log: reset is empty; name the change that opens a run: %IX0.1=0")
     text = None if symbols is None else read_symbols(Path(symbols))
-    rows = log if isinstance(log, Log) else Log.from_arrow(arrow_table(log))
+    rows = as_log(log)
     return EventLog(_engine.event_log(rows.engine, reset, text, naming, keep_partial, list(only)))

@@ -109,6 +109,7 @@ fn add_path(
             next: step[1],
             count: 1,
             uncounted: 1,
+            odd_at_start: 0,
             probability: 0.0,
             sequence,
             position,

@@ -51,6 +51,17 @@ impl Trigger {
         self.states.iter().copied().filter(|&state| state != NO_STATE)
     }
 
+    /// How long after it each instance of a transition into `next` happened, in seconds; none where
+    /// it came without a fresh one.
+    pub fn delays(
+        &self,
+        index: Happenings<'_>,
+        instances: &[Entry],
+        next: StateId,
+    ) -> Vec<Option<f64>> {
+        delays::of_each(index, &delays::waits(index, instances, next), self.states)
+    }
+
     /// Since when the transition was due, its enabling states (of one, twice) having been entered
     /// at two times: the later. `None` where the device was not waiting for it: one of them has not
     /// been entered afresh since the device last did the same (`before`), or the device's own last

@@ -103,7 +103,7 @@ impl Evidence {
             // One instance of a few is a usual time seen too seldom, and says nothing about how
             // often others are odd.
             let telling = of(character).filter(|((r, _), _)| r.evidence() >= TELLING_INSTANCES);
-            Oddity::of(telling.map(|((rule, _), &family)| {
+            Oddity::of_makes(telling.map(|((rule, _), &family)| {
                 let once = rare_instances(rule) as f64;
                 let draws = rule.evidence() as f64;
                 (rule.chain, family, Tally { once, kinds: once.min(1.0), draws })
@@ -248,8 +248,8 @@ fn of_family<T>(of_families: &[(Family, T)], family: Family) -> Option<&T> {
     found.ok().map(|at| &of_families[at].1)
 }
 
-/// Instances in clusters too small to be a usual time.
+/// Instances in clusters too small to be a usual time, but for those of a start.
 fn rare_instances(rule: &Rule) -> u64 {
     let rare = rule.judged().iter().filter(|c| c.instances < BODY_INSTANCES);
-    rare.map(|c| u64::from(c.instances)).sum::<u64>().saturating_sub(u64::from(rule.uncounted))
+    rare.map(|c| u64::from(c.instances)).sum::<u64>().saturating_sub(u64::from(rule.odd_at_start))
 }

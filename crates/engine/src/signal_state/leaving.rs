@@ -4,6 +4,8 @@
 //! are unseen mass (Good-Turing, [`super::oddity`]), of kinds seen once by the device, and of those
 //! among them that no sister took either.
 
+use std::collections::BTreeMap;
+
 use super::chains::{ChainIndex, ChainKind};
 use super::oddity::{Oddity, Tally};
 use super::rules::Rule;
@@ -29,6 +31,25 @@ impl Novelty {
                 Self::ToSisters => taken() == Some(1),
             }
     }
+}
+
+/// States of group chains, with the ways out of them that never came again. In a program ways are
+/// few, and what is new is new where something was new before; in a group its devices fall in with
+/// one another, and it may be new anywhere: each state is one draw (Ewens), whatever came of it.
+fn of_states<'a>(
+    rules: impl Iterator<Item = (&'a Rule, &'a Family)>,
+    names: Names<'_>,
+) -> impl Iterator<Item = (ChainIndex, Family, Tally)> {
+    let mut states: BTreeMap<StateId, (ChainIndex, Tally)> = BTreeMap::new();
+    for (rule, _) in rules {
+        let once = f64::from(rule.evidence() == 1);
+        let (_, tally) = states.entry(rule.current).or_insert((rule.chain, Tally::default()));
+        tally.once += once;
+        tally.kinds += once;
+        tally.draws = 1.0;
+    }
+    let family = move |state| names.of_state(state, ChainKind::Group);
+    states.into_iter().map(move |(state, (chain, tally))| (chain, family(state), tally))
 }
 
 /// Unseen ways of leaving a state, in a whole plant.
@@ -60,7 +81,7 @@ impl Leaving {
         let of_devices = [Novelty::ToDevice, Novelty::ToSisters].map(|novelty| {
             leaving(ChainKind::Device, &|rule, way| novelty.is_odd(rule, || ways.taken(way)))
         });
-        let of_groups = leaving(ChainKind::Group, &|rule, _| rule.evidence() == 1);
+        let of_groups = Oddity::of_programs(of_states(of_kind(ChainKind::Group), names));
         Self { of_devices, of_groups, ways }
     }
 

@@ -8,7 +8,7 @@
 //! odd as the plant.
 
 // Ordered maps: sums must not depend on the order in which a table happens to lie.
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 
 use super::chains::ChainIndex;
 use super::sisters::Family;
@@ -85,47 +85,71 @@ pub struct Oddity {
     plant: f64,
     chains: Parts<ChainIndex>,
     families: Parts<Family>,
-    /// Of chains taken as programs of their own; empty where they are not.
-    own: BTreeMap<ChainIndex, f64>,
+    /// Of chains, or of families, taken by themselves; empty where they are not.
+    of_programs: BTreeMap<ChainIndex, f64>,
+    of_makes: BTreeMap<Family, f64>,
+}
+
+/// Chains whose sisters are a make of their own.
+const SISTERS_AT_LEAST: usize = 3;
+
+/// What was drawn in the chains, and in the families, of a plant.
+#[derive(Default)]
+struct Drawn {
+    chains: BTreeMap<ChainIndex, Tally>,
+    families: BTreeMap<Family, (Tally, BTreeSet<ChainIndex>)>,
+}
+
+impl Drawn {
+    fn of(tallies: impl Iterator<Item = (ChainIndex, Family, Tally)>) -> Self {
+        let mut drawn = Self::default();
+        for (chain, family, tally) in tallies {
+            drawn.chains.entry(chain).or_default().add(tally);
+            let (of_family, chains) = drawn.families.entry(family).or_default();
+            of_family.add(tally);
+            chains.insert(chain);
+        }
+        drawn
+    }
+
+    /// Where nothing is taken by itself.
+    fn oddity(&self) -> Oddity {
+        let families = self.families.iter().map(|(&family, &(tally, _))| (family, tally));
+        Oddity {
+            plant: of_plant(self.chains.values()),
+            chains: Parts::of(&self.chains),
+            families: Parts::of(&families.collect()),
+            of_programs: BTreeMap::new(),
+            of_makes: BTreeMap::new(),
+        }
+    }
 }
 
 impl Oddity {
-    /// Of what is drawn in chains and families.
-    pub fn of(tallies: impl Iterator<Item = (ChainIndex, Family, Tally)>) -> Self {
-        Self::with_chains(tallies).0
-    }
-
-    /// Also the tallies of the chains.
-    fn with_chains(
-        tallies: impl Iterator<Item = (ChainIndex, Family, Tally)>,
-    ) -> (Self, BTreeMap<ChainIndex, Tally>) {
-        let mut chains: BTreeMap<ChainIndex, Tally> = BTreeMap::new();
-        let mut families: BTreeMap<Family, Tally> = BTreeMap::new();
-        for (chain, family, tally) in tallies {
-            chains.entry(chain).or_default().add(tally);
-            families.entry(family).or_default().add(tally);
-        }
-        let oddity = Self {
-            plant: of_plant(chains.values()),
-            chains: Parts::of(&chains),
-            families: Parts::of(&families),
-            own: BTreeMap::new(),
-        };
-        (oddity, chains)
-    }
-
     /// Which way a device goes on is a program of its own: one that never did anything odd is taken
     /// to be closed, whatever the rest of the plant does, and then the plant weighs one draw.
     pub fn of_programs(tallies: impl Iterator<Item = (ChainIndex, Family, Tally)>) -> Self {
-        let (oddity, chains) = Self::with_chains(tallies);
-        let own = chains.into_iter().map(|(chain, tally)| (chain, tally.unseen(oddity.plant)));
-        Self { own: own.collect(), ..oddity }
+        let drawn = Drawn::of(tallies);
+        let oddity = drawn.oddity();
+        let own = drawn.chains.iter().map(|(&chain, tally)| (chain, tally.unseen(oddity.plant)));
+        Self { of_programs: own.collect(), ..oddity }
+    }
+
+    /// How long a device takes is a matter of its make: where sisters never were odd, the plant
+    /// weighs one draw against all of theirs.
+    pub fn of_makes(tallies: impl Iterator<Item = (ChainIndex, Family, Tally)>) -> Self {
+        let drawn = Drawn::of(tallies);
+        let oddity = drawn.oddity();
+        let makes = drawn.families.iter().filter(|(_, (_, of))| of.len() >= SISTERS_AT_LEAST);
+        let own = makes.map(|(&family, (tally, _))| (family, tally.unseen(oddity.plant)));
+        Self { of_makes: own.collect(), ..oddity }
     }
 
     /// What one draw of a family in a chain tells.
     pub fn at(&self, chain: ChainIndex, family: Family) -> f64 {
         let alike = self.plant * self.chains.ratio(chain) * self.families.ratio(family);
-        self.own.get(&chain).map_or(alike, |&own| own.min(alike)).min(1.0)
+        let own = [self.of_programs.get(&chain), self.of_makes.get(&family)];
+        own.into_iter().flatten().fold(alike, |least, &own| least.min(own)).min(1.0)
     }
 }
 

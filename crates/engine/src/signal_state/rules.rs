@@ -20,6 +20,8 @@ pub struct Rule {
     /// Of those, how often as a start-up artefact (from the first state after a start or gap) or
     /// by an operator's confirmation: known to be allowed, but no evidence of what is usual.
     pub uncounted: u32,
+    /// Of those, how many took a time that is not usual.
+    pub odd_at_start: u32,
     /// Share of the transitions out of `current`.
     pub probability: f64,
     /// Place in the order of first appearance over the whole plant: causes before effects.

@@ -53,10 +53,14 @@ pub(super) fn sorted(
     (delays.len() as f64 >= enough).then(|| delays.iter().map(|&delay| seconds(delay)).collect())
 }
 
-/// The same of each instance in turn, in seconds; infinite where there was no fresh one.
-pub(super) fn of_each(index: Happenings<'_>, waits: &[Wait], states: [StateId; 2]) -> Vec<f64> {
-    let mut candidate = Occurrences::of(index, states);
-    waits.iter().map(|wait| candidate.delay(wait).map_or(f64::INFINITY, seconds)).collect()
+/// The same of each instance in turn, in seconds; none where there was no fresh one.
+pub(super) fn of_each(
+    index: Happenings<'_>,
+    waits: &[Wait],
+    states: [StateId; 2],
+) -> Vec<Option<f64>> {
+    let mut candidates = Occurrences::of(index, states);
+    waits.iter().map(|wait| candidates.delay(wait).map(seconds)).collect()
 }
 
 /// Of how many instances a state was entered not exactly once since the one before.

@@ -28,11 +28,12 @@ pub(super) fn found(
         return None;
     }
     let delays = delays::of_each(index, waits, [one, NO_STATE]);
-    let mut sorted: Vec<f64> = delays.iter().copied().filter(|d| d.is_finite()).collect();
+    let mut sorted: Vec<f64> = delays.iter().copied().flatten().collect();
     sorted.sort_unstable_by(f64::total_cmp);
     let (low, high) = most_within(&sorted, election.close)?;
     let explained = |delay: &f64| (low..=high).contains(delay);
-    let left: Vec<usize> = (0..delays.len()).filter(|&at| !explained(&delays[at])).collect();
+    let is_left = |&at: &usize| !delays[at].as_ref().is_some_and(explained);
+    let left: Vec<usize> = (0..delays.len()).filter(is_left).collect();
     if left.len() < LEFT_AT_LEAST || left.len() * 3 > delays.len() * 2 {
         return None;
     }

@@ -123,7 +123,7 @@ impl<'a> Usual<'a> {
         }
         let usually = Usually::of(clusters, index.resolution_s)?;
         let waits = delays::waits(index, instances, next);
-        let delays = delays::of_each(index, &waits, [trigger, NO_STATE]);
+        let delays = each(index, &waits, [trigger, NO_STATE]);
         let odd = |delay: f64| {
             usually.odd(clusters).any(|c| (c.minimum_s..=c.maximum_s).contains(&delay))
         };
@@ -193,7 +193,7 @@ impl<'a> Usual<'a> {
 
     /// Holds the instances against the later of the trigger and a partner.
     pub fn joined(&self, partner: StateId) -> Joined {
-        let delays = delays::of_each(self.index, &self.waits, [self.trigger, partner]);
+        let delays = each(self.index, &self.waits, [self.trigger, partner]);
         let (mut explained, mut contradicted, mut stale) = (0, 0, 0);
         let (mut chance, mut off_s) = (1.0, 0.0);
         let width = self.usually.greatest_s - self.usually.least_s.max(0.0);
@@ -256,6 +256,12 @@ impl Joined {
             && self.explained as f64 >= LEFT_EXPLAINED * odd
             && self.chance <= BY_CHANCE_OF_SISTERS
     }
+}
+
+/// Delays of each instance; infinite where there was no fresh one.
+fn each(index: Happenings<'_>, waits: &[Wait], states: [StateId; 2]) -> Vec<f64> {
+    let delays = delays::of_each(index, waits, states).into_iter();
+    delays.map(|delay| delay.unwrap_or(f64::INFINITY)).collect()
 }
 
 fn nanoseconds(seconds: f64) -> Nanoseconds {

@@ -146,6 +146,7 @@ fn renumbered(rule: &LearnedRule, chain: usize, number: impl Fn(StateId) -> Stat
         next: number(rule.next),
         count: rule.count,
         uncounted: rule.uncounted,
+        odd_at_start: rule.odd_at_start,
         probability: rule.probability,
         sequence: 0,
         position: rule.position,

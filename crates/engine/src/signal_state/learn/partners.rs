@@ -65,7 +65,7 @@ pub(super) fn take_over(group: &Group<'_>, rules: &[usize], times: &mut [Times])
     for (family, members) in &members {
         for &place in members {
             if let Some(better) = table.better(&families[family], place, &times[place]) {
-                times[place].trigger = Some(better);
+                table.give(better, place, &mut times[place]);
             }
         }
     }
@@ -73,15 +73,13 @@ pub(super) fn take_over(group: &Group<'_>, rules: &[usize], times: &mut [Times])
         let mut open = members.get(&family).cloned().unwrap_or_default();
         open.retain(|&place| pair(&times[place]).is_none());
         open.retain(|&place| {
-            let shown = table.shown(&known, place, &times[place]);
-            if let Some(trigger) = &shown {
-                known.add(table.pairs(place, trigger.states));
-                times[place].trigger.clone_from(&shown);
-            }
-            shown.is_none()
+            let Some(shown) = table.shown(&known, place, &times[place]) else { return true };
+            known.add(table.pairs(place, shown.states));
+            table.give(shown, place, &mut times[place]);
+            false
         });
         for (place, trigger) in table.offered(&known, &open, times) {
-            times[place].trigger = Some(trigger);
+            table.give(trigger, place, &mut times[place]);
         }
     }
 }
@@ -125,6 +123,13 @@ struct Table<'a> {
 impl<'a> Table<'a> {
     fn found(&self, place: usize) -> &'a Found {
         &self.group.walk.rules[self.rules[place]]
+    }
+
+    /// Lets a transition wait for a trigger.
+    fn give(&self, trigger: Trigger, place: usize, times: &mut Times) {
+        let of_rule = (self.found(place), self.instances(place));
+        times.trigger = Some(trigger);
+        times.count_odd_starts(of_rule, (self.group.happenings, &self.group.walk.first_steps));
     }
 
     /// The families of those that have a join.

@@ -129,7 +129,12 @@ impl<'a> Teacher<'a> {
             let rules = in_order.iter().skip(chunk * AT_ONCE).take(AT_ONCE);
             let times = rules.map(|&rule| {
                 let instances = instances.of(walk, rule);
-                self.study.times(&walk.rules[rule], instances, happenings, bench)
+                self.study.times(
+                    &walk.rules[rule],
+                    instances,
+                    (happenings, &walk.first_steps),
+                    bench,
+                )
             });
             times.collect()
         };
@@ -147,6 +152,7 @@ impl<'a> Teacher<'a> {
             next: found.next,
             count: found.count,
             uncounted: found.uncounted,
+            odd_at_start: times.odd_at_start,
             probability: way.probability,
             sequence: 0,
             position: 0,

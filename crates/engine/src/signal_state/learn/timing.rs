@@ -2,9 +2,10 @@
 
 use crate::log::{Nanoseconds, SECOND};
 use crate::signal_state::dispersion;
-use crate::signal_state::enabling::{Happenings, Search, Trigger, Usual, has_odd};
+use crate::signal_state::enabling::{Entry, Happenings, Search, Trigger, Usual, has_odd};
 use crate::signal_state::parameters::{Parameters, Timing};
 use crate::timing::csk_means::CskMeans;
+use crate::timing::limits::BODY_INSTANCES;
 use crate::timing::{self, TimeCluster, optimal};
 
 use super::instances::OfRule;
@@ -14,12 +15,37 @@ use super::walk::Found;
 pub(super) struct Times {
     pub(super) clusters: Vec<TimeCluster>,
     pub(super) trigger: Option<Trigger>,
+    /// First steps after a start or gap that took a time that is not usual.
+    pub(super) odd_at_start: u32,
 }
 
 impl Times {
     /// The times it is judged by: delays from what it waits for, where that is known.
     pub(super) fn judged(&self) -> &[TimeCluster] {
         self.trigger.as_ref().map_or(&self.clusters, |trigger| &trigger.clusters)
+    }
+
+    /// Counts the first steps that took a time that is not usual, of those they are judged by.
+    pub(super) fn count_odd_starts(
+        &mut self,
+        (rule, instances): (&Found, OfRule<'_>),
+        (happenings, first_steps): (Happenings<'_>, &[u32]),
+    ) {
+        let odd = match instances {
+            OfRule::Device(entries) if rule.uncounted > 0 => {
+                let is_first = |entry: &Entry| first_steps.binary_search(&entry.place).is_ok();
+                let times = match &self.trigger {
+                    Some(trigger) => trigger.delays(happenings, entries, rule.next),
+                    None => entries.iter().map(|entry| Some(seconds(entry.took))).collect(),
+                };
+                let first = entries.iter().zip(times).filter(|(entry, _)| is_first(entry));
+                let times = first.filter_map(|(_, time)| time);
+                times.filter(|&time| is_odd(self.judged(), time)).count()
+            }
+            OfRule::Device(_) => 0,
+            OfRule::Group(_) => rule.uncounted as usize,
+        };
+        self.odd_at_start = odd as u32;
     }
 }
 
@@ -31,12 +57,13 @@ pub(super) struct Study<'a> {
 }
 
 impl Study<'_> {
-    /// The times of a transition; `happenings` is where enabling events are looked for.
+    /// The times of a transition; `happenings` is where enabling events are looked for, and
+    /// `first_steps` says which instances were a device's first after a start or gap.
     pub(super) fn times(
         self,
         rule: &Found,
         instances: OfRule<'_>,
-        happenings: Happenings<'_>,
+        (happenings, first_steps): (Happenings<'_>, &[u32]),
         bench: &mut Bench,
     ) -> Times {
         let Bench { search, took, times, sorted } = bench;
@@ -63,8 +90,16 @@ impl Study<'_> {
             }
             _ => None,
         };
-        Times { clusters, trigger }
+        let mut times = Times { clusters, trigger, odd_at_start: 0 };
+        times.count_odd_starts((rule, instances), (happenings, first_steps));
+        times
     }
+}
+
+/// True where a time is of a cluster too small to be a usual time.
+fn is_odd(clusters: &[TimeCluster], time: f64) -> bool {
+    let of = timing::nearest(clusters, time).and_then(|at| clusters.get(at));
+    of.is_some_and(|cluster| cluster.instances < BODY_INSTANCES)
 }
 
 /// What a thread works with, kept from one transition to the next.

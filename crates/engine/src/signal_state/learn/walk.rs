@@ -37,6 +37,8 @@ pub(super) struct Walk {
     pub(super) entries: Entries,
     /// When each run's first event happened.
     pub(super) run_starts: Vec<Nanoseconds>,
+    /// Places of the events that ended a device's first transition after a start or gap, ascending.
+    pub(super) first_steps: Vec<u32>,
     /// Longest time between two events.
     pub(super) longest_pause: Nanoseconds,
     /// The first state of the group's chain: its return closes a group cycle.
@@ -91,6 +93,7 @@ impl<'a> Walker<'a> {
             steps: Vec::new(),
             entries: Entries::new(states.len()),
             run_starts: Vec::new(),
+            first_steps: Vec::new(),
             longest_pause: 0,
             start: NO_STATE,
         };
@@ -121,6 +124,7 @@ impl<'a> Walker<'a> {
         walk.steps.clear();
         walk.entries.begin(events.len());
         walk.run_starts.clear();
+        walk.first_steps.clear();
         (walk.longest_pause, walk.start) = (0, NO_STATE);
         self.run_places.clear();
         self.by_device.begin(events.len());
@@ -129,6 +133,7 @@ impl<'a> Walker<'a> {
             self.through_device(self.by_device.devices[at], events);
         }
         self.count();
+        self.walk.first_steps.sort_unstable();
         &self.walk
     }
 
@@ -156,10 +161,9 @@ impl<'a> Walker<'a> {
                 continue;
             }
             let rules = &mut walk.rules;
-            if let Some((rule, took)) =
-                self.known.step(&mut here, (chain, ChainKind::Group), left, rules)
-            {
-                walk.steps.push(Step { rule, took });
+            let of_group = (chain, ChainKind::Group);
+            if let Some(taken) = self.known.step(&mut here, of_group, left, rules) {
+                walk.steps.push(Step { rule: taken.rule, took: taken.took });
             }
         }
     }
@@ -182,9 +186,12 @@ impl<'a> Walker<'a> {
                 let chain = (device as usize, ChainKind::Device);
                 self.known.step(&mut here, chain, left, &mut walk.rules)
             };
-            walk.ended.extend(step.map(|(rule, _)| rule));
+            walk.ended.extend(step.as_ref().map(|taken| taken.rule));
             let Left { time, state, place } = left;
-            let (rule, took) = step.unwrap_or((NO_RULE, 0));
+            let Taken { rule, took, first } = step.unwrap_or(NOT_TAKEN);
+            if first {
+                walk.first_steps.push(place);
+            }
             let in_all = self.in_all[state as usize];
             walk.entries.enter(state, in_all, Entry { time, took, place, rule });
         }
@@ -216,7 +223,7 @@ impl Known {
         Self { last: vec![(NO_STATE, NO_RULE); 2 * states], newest: vec![NO_RULE; 2 * states] }
     }
 
-    /// One step of a chain: the transition, and how long it took.
+    /// One step of a chain.
     #[inline(always)]
     fn step(
         &mut self,
@@ -224,7 +231,7 @@ impl Known {
         (chain, kind): (ChainIndex, ChainKind),
         left: Left,
         rules: &mut Vec<Found>,
-    ) -> Option<(u32, Nanoseconds)> {
+    ) -> Option<Taken> {
         let Left { time, state, place } = left;
         let before = *here;
         // Signals that were ON when the log began were all written at its first time.
@@ -245,7 +252,7 @@ impl Known {
         if before.first {
             rules[rule as usize].uncounted += 1;
         }
-        Some((rule, time - before.time))
+        Some(Taken { rule, took: time - before.time, first: before.first })
     }
 
     /// A transition, which is made with its sibling where it is met for the first time.
@@ -274,6 +281,16 @@ impl Known {
         last.1
     }
 }
+
+/// A step of a chain: the transition, how long it took, whether it was the first after a start or
+/// gap.
+struct Taken {
+    rule: u32,
+    took: Nanoseconds,
+    first: bool,
+}
+
+const NOT_TAKEN: Taken = Taken { rule: NO_RULE, took: 0, first: false };
 
 /// An event that was left with its device.
 #[derive(Clone, Copy, Default)]
