@@ -17,12 +17,16 @@ mod entries;
 mod finalists;
 mod happenings;
 mod meetings;
+mod nominated;
 mod partner;
+mod seldom;
 mod together;
 mod window;
 
 pub use entries::{Entries, Entry, NO_RULE};
 pub use happenings::{Happening, Happenings};
+pub use nominated::better;
+pub use seldom::{Joined, Usual, has_odd};
 pub use together::{Timed, Together};
 
 use crate::log::Nanoseconds;
@@ -142,6 +146,24 @@ impl Explanation {
             at_once: below(resolution_s + half),
             trigger: None,
         }
+    }
+
+    /// By a trigger instead, of the instances of a transition into `next`.
+    pub fn or_waits_for(
+        self,
+        trigger: Trigger,
+        index: Happenings<'_>,
+        instances: &[Entry],
+        next: StateId,
+    ) -> Self {
+        let mut delays: Vec<f64> =
+            trigger.delays(index, instances, next).into_iter().flatten().collect();
+        if delays.is_empty() {
+            return self;
+        }
+        delays.sort_unstable_by(f64::total_cmp);
+        let by_trigger = Self::of(&delays, Some(self.own_s), index.resolution_s);
+        Self { trigger: Some(trigger), ..by_trigger }
     }
 
     /// By what the transition waits for instead, and the sorted delays from there.

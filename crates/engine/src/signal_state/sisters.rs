@@ -39,6 +39,15 @@ pub fn stem(plant: &Plant, signal: SignalIndex) -> u64 {
     hash.digest()
 }
 
+/// The numbers in a signal's and its device's names, which tell sisters apart.
+pub fn numbers(plant: &Plant, signal: SignalIndex) -> Vec<i64> {
+    let names = [plant.device_of(signal).name.as_str(), plant.signals[signal as usize].name()];
+    let parts = names.into_iter().flat_map(|name| name.split(|c: char| !c.is_ascii_digit()));
+    // What is too long to be counted is an address or a serial number, and stands for itself.
+    let number = |part: &str| part.parse::<u32>().map_or(i64::MAX / 2, i64::from);
+    parts.filter(|part| !part.is_empty()).map(number).collect()
+}
+
 impl Names<'_> {
     /// The family of a transition.
     pub fn of_rule(&self, rule: &Rule) -> Family {

@@ -63,6 +63,20 @@ pub(super) fn of_each(
     waits.iter().map(|wait| candidates.delay(wait).map(seconds)).collect()
 }
 
+/// Of how many instances a state was entered not exactly once since the one before.
+pub(super) fn not_once(index: Happenings<'_>, waits: &[Wait], state: StateId) -> usize {
+    let entries = index.entries.of(state);
+    let mut passed = 0;
+    let is_once = |wait: &&Wait| {
+        passed += entries[passed..].iter().take_while(|other| other.time < wait.before).count();
+        let since = &entries[passed..];
+        let times = since.iter().take_while(|other| other.time <= wait.time).count();
+        passed += times;
+        times == 1
+    };
+    waits.len() - waits.iter().filter(is_once).count()
+}
+
 /// When the states of a candidate were entered, passed in the order of the instances.
 struct Occurrences<'a> {
     entries: [&'a [Entry]; 2],

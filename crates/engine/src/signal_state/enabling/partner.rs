@@ -12,7 +12,7 @@ use super::{Entry, FINALISTS, GAIN, Happenings, window};
 
 /// So many instances must be left, and the partner must explain this share of them.
 const LEFT_AT_LEAST: usize = 3;
-const LEFT_EXPLAINED: f64 = 0.6;
+pub(super) const LEFT_EXPLAINED: f64 = 0.6;
 /// Windows of the two, in close widths.
 const WIDTHS: f64 = 1.5;
 

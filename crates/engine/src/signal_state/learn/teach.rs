@@ -11,6 +11,7 @@ use crate::signal_state::states::{StateId, States};
 
 use super::branches;
 use super::instances::{Instances, OfRule};
+use super::partners;
 use super::reading::{Events, GroupEvents};
 use super::share_out::{share_out, threads_for};
 use super::timing::{Bench, Study, Times};
@@ -140,6 +141,9 @@ impl<'a> Teacher<'a> {
         let chunks = in_order.len().div_ceil(AT_ONCE);
         let times = share_out(chunks, threads, bench, || self.bench(), times_of);
         let mut times: Vec<Times> = times.into_iter().flatten().collect();
+        let (plant, states) = (self.plant, self.states);
+        let group = partners::Group { walk, instances, happenings, plant, states };
+        partners::take_over(&group, &in_order, &mut times);
         self.look_again(&mut times, &in_order, (walk, instances, happenings));
         let ways = branches::ways(walk);
         let found = in_order.iter().map(|&rule| (&walk.rules[rule], ways[rule]));

@@ -2,7 +2,9 @@
 
 use crate::log::{Nanoseconds, SECOND};
 use crate::signal_state::dispersion;
-use crate::signal_state::enabling::{Entry, Explanation, Happenings, Search};
+use crate::signal_state::enabling::{
+    Entry, Explanation, Happenings, Search, Trigger, Usual, has_odd,
+};
 use crate::signal_state::parameters::{Parameters, Timing};
 use crate::timing::csk_means::CskMeans;
 use crate::timing::limits::BODY_INSTANCES;
@@ -20,8 +22,26 @@ pub(super) struct Times {
 }
 
 impl Times {
-    /// Counts the first steps that took a time that is not usual, of the clusters they are judged
-    /// by.
+    /// The times it is judged by: delays from what it waits for, where that is known.
+    pub(super) fn judged(&self) -> &[TimeCluster] {
+        self.explanation.trigger.as_ref().map_or(&self.clusters, |trigger| &trigger.clusters)
+    }
+
+    /// Lets it wait for a trigger instead of what was found.
+    pub(super) fn wait_for(
+        &mut self,
+        trigger: Trigger,
+        (rule, instances): (&Found, OfRule<'_>),
+        (happenings, first_steps): (Happenings<'_>, &[u32]),
+    ) {
+        if let OfRule::Device(entries) = instances {
+            let found = std::mem::replace(&mut self.explanation, Explanation::NONE);
+            self.explanation = found.or_waits_for(trigger, happenings, entries, rule.next);
+            self.count_odd_starts((rule, instances), (happenings, first_steps));
+        }
+    }
+
+    /// Counts the first steps that took a time that is not usual, of those they are judged by.
     pub(super) fn count_odd_starts(
         &mut self,
         (rule, instances): (&Found, OfRule<'_>),
@@ -29,15 +49,14 @@ impl Times {
     ) {
         let odd = match instances {
             OfRule::Device(entries) if rule.uncounted > 0 => {
-                let trigger = self.explanation.trigger.as_ref();
                 let is_first = |entry: &Entry| first_steps.binary_search(&entry.place).is_ok();
-                let times = match trigger {
+                let times = match &self.explanation.trigger {
                     Some(trigger) => trigger.delays(happenings, entries, rule.next),
                     None => entries.iter().map(|entry| Some(seconds(entry.took))).collect(),
                 };
-                let judged = trigger.map_or(&self.clusters[..], |trigger| &trigger.clusters);
                 let first = entries.iter().zip(times).filter(|(entry, _)| is_first(entry));
-                first.filter_map(|(_, time)| time).filter(|&time| is_odd(judged, time)).count()
+                let times = first.filter_map(|(_, time)| time);
+                times.filter(|&time| is_odd(self.judged(), time)).count()
             }
             OfRule::Device(_) => 0,
             OfRule::Group(_) => rule.uncounted as usize,
@@ -75,13 +94,22 @@ impl Study<'_> {
         took.sort_unstable();
         sorted.clear();
         sorted.extend(took.iter().map(|&took| seconds(took)));
+        let clusters = cluster(times, sorted, self.parameters, self.resolution);
         let explanation = match instances {
             OfRule::Device(entries) if self.parameters.timing == Timing::Adaptive => {
-                search.explain(happenings, entries, sorted, (rule.current, rule.next))
+                let way = (rule.current, rule.next);
+                let found = search.explain(happenings, entries, sorted, way);
+                let trigger = found.trigger.as_ref();
+                let judged = trigger.map_or(clusters.as_slice(), |trigger| &trigger.clusters);
+                let usual = has_odd(judged, happenings.resolution_s)
+                    .then(|| Usual::of(happenings, entries, way, trigger, judged));
+                match usual.flatten().and_then(|usual| usual.partner()) {
+                    Some(joined) => found.or_waits_for(joined, happenings, entries, rule.next),
+                    None => found,
+                }
             }
             _ => Explanation::NONE,
         };
-        let clusters = cluster(times, sorted, self.parameters, self.resolution);
         let mut times = Times { clusters, explanation, odd_at_start: 0 };
         times.count_odd_starts((rule, instances), (happenings, first_steps));
         times
