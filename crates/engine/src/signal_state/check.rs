@@ -99,12 +99,10 @@ fn branch(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure>
         .clone()
         .filter(|&r| {
             let learned = &model.rules[r];
-            share_changed(
-                model,
-                (lanes.count(r), total),
-                (learned.probability, learned_total),
-                learned.dispersion.into(),
-            )
+            let dispersion = || model.judgement().evidence.dispersion(learned);
+            let (observed, learned) =
+                ((lanes.count(r), total), (learned.probability, learned_total));
+            share_changed(model, observed, learned, dispersion)
         })
         .max_by(|&a, &b| {
             let change = |r: usize| (share(r) - model.rules[r].probability).abs();
@@ -131,12 +129,8 @@ fn times(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure> 
         return None;
     }
     let changed = clusters.iter().zip(lanes.seen(rule)).any(|(cluster, seen)| {
-        share_changed(
-            model,
-            (seen.count, total),
-            (cluster.probability, u64::from(model.rules[rule].count)),
-            cluster.dispersion.into(),
-        )
+        let learned = (cluster.probability, u64::from(model.rules[rule].count));
+        share_changed(model, (seen.count, total), learned, || cluster.dispersion.into())
     });
     changed.then(|| {
         let share = |seen: Seen| f64::from(seen.count) / f64::from(total);
@@ -175,7 +169,7 @@ fn share_changed(
     model: &NominalModel,
     (count, total): (u32, u32),
     (learned, learned_total): (f64, u64),
-    dispersion: f64,
+    dispersion: impl FnOnce() -> f64,
 ) -> bool {
     let observed = f64::from(count) / f64::from(total);
     let change = (observed - learned).abs();
@@ -191,7 +185,7 @@ fn share_changed(
     let (n, n0) = (f64::from(total), learned_total as f64);
     // Pooled share under "nothing has changed", with one pseudo-count on either side.
     let pooled = (f64::from(count) + learned * n0 + 1.0) / (n + n0 + 2.0);
-    let variance = dispersion * pooled * (1.0 - pooled) * (1.0 / n + 1.0 / n0);
+    let variance = dispersion() * pooled * (1.0 - pooled) * (1.0 / n + 1.0 / n0);
     let continuity = 0.5 / n;
     two_sided((change - continuity).max(0.0) / variance.sqrt(), n + n0 - 2.0)
         <= model.judgement().budget.per_share

@@ -42,6 +42,8 @@ const MOTION_RESOLUTIONS: f64 = 10.0;
 /// A time spreads over no more than so many of its standard deviations: the extremes of many
 /// instances lie farther apart than those of a few, and it is the same motion.
 const SPREAD_DEVIATIONS: f64 = 5.0;
+/// Instances from which it shows how the share of a way wanders.
+const WANDERING_INSTANCES: u64 = 8;
 /// Instances from which a time seen once or twice is odd, and not merely one of several.
 const TELLING_INSTANCES: u64 = 20;
 
@@ -75,6 +77,8 @@ pub struct Evidence {
 #[derive(Debug)]
 struct OfPlant {
     leaving: Leaving,
+    /// How far shares wander in the chain of a group, by the ways of it that tell.
+    wandering: BTreeMap<ChainIndex, f32>,
     /// By character.
     times: [Oddity; 3],
     /// Of what is explained, and of open waits.
@@ -96,6 +100,13 @@ impl Evidence {
             rules.iter().map(|rule| Character::of(rule, resolution_s)).collect();
         let families: Vec<Family> = rules.iter().map(|rule| names.of_rule(rule)).collect();
         let leaving = Leaving::of(rules, &families, names);
+        let mut wandering = BTreeMap::<ChainIndex, f32>::new();
+        for rule in rules.iter().filter(|rule| rule.evidence() >= WANDERING_INSTANCES) {
+            if names.chains.kind(rule.chain) == ChainKind::Group {
+                let most = wandering.entry(rule.chain).or_insert(1.0);
+                *most = most.max(rule.dispersion);
+            }
+        }
         let of = |character| {
             let rules = rules.iter().zip(&characters).zip(&families);
             // What a group's chain takes says nothing that its devices' do not.
@@ -144,8 +155,16 @@ impl Evidence {
             };
             families[character as usize].iter().filter_map(together).collect()
         });
-        let of_plant =
-            OfPlant { leaving, times, shares, shapes, of_families, pooled, resolution_s };
+        let of_plant = OfPlant {
+            leaving,
+            wandering,
+            times,
+            shares,
+            shapes,
+            of_families,
+            pooled,
+            resolution_s,
+        };
         Self { of_plant: Arc::new(of_plant), whole_chain: None }
     }
 
@@ -185,6 +204,14 @@ impl Evidence {
         let whole = self.whole(chain);
         let row = &rules[table.row(row_of(state, names.chains.kind(chain)))];
         self.of_plant.leaving.unseen(row, names, (chain, whole, state))
+    }
+
+    /// How far the share of a way wanders, against independent draws. The devices of a group fall
+    /// into step and out again, and what a rare way shows of it by itself is nothing: there the way
+    /// that wanders most speaks for all.
+    pub fn dispersion(&self, rule: &Rule) -> f64 {
+        let of_chain = self.of_plant.wandering.get(&self.whole(rule.chain));
+        of_chain.map_or(rule.dispersion, |most| most.max(rule.dispersion)).into()
     }
 
     /// True where a transition waits for something nobody knows, so that another device's delay
