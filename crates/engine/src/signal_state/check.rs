@@ -147,14 +147,13 @@ fn times(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure> 
 }
 
 fn average(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure> {
-    let single = model.rules[rule].judged().len() == 1;
     model.rules[rule].judged().iter().zip(lanes.seen(rule)).find_map(|(cluster, seen)| {
         let count = seen.count;
         if count == 0 {
             return None;
         }
         let observed = seen.sum as f64 / SECOND as f64 / f64::from(count);
-        mean_changed(model, cluster, observed, count, single).then(|| Departure {
+        mean_changed(model, cluster, observed, count).then(|| Departure {
             kind: Kind::AverageTime,
             rule,
             observed,
@@ -191,13 +190,7 @@ fn share_changed(
         <= model.judgement().budget.per_share
 }
 
-fn mean_changed(
-    model: &NominalModel,
-    cluster: &TimeCluster,
-    observed: f64,
-    count: u32,
-    single: bool,
-) -> bool {
+fn mean_changed(model: &NominalModel, cluster: &TimeCluster, observed: f64, count: u32) -> bool {
     let change = (observed - cluster.average_s).abs();
     if model.parameters.timing == Timing::Plat {
         return change > plat_allowance_s(cluster.average_s);
@@ -207,7 +200,8 @@ fn mean_changed(
     if change <= relevant || count < OBSERVATIONS_AT_LEAST || cluster.instances < BODY_INSTANCES {
         return false;
     }
-    let dispersion = if single { f64::from(cluster.dispersion) } else { 1.0 };
+    // Of several times, how their shares wander says how far times stick together.
+    let dispersion = f64::from(cluster.dispersion).max(1.0);
     let n0 = f64::from(cluster.instances);
     let error = f64::from(cluster.deviation_s).max(resolution)
         * (dispersion * (1.0 / f64::from(count) + 1.0 / n0)).sqrt();

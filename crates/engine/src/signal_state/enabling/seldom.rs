@@ -80,10 +80,7 @@ struct Usually {
 
 impl Usually {
     fn of(clusters: &[TimeCluster], resolution_s: f64) -> Option<Self> {
-        // What bears the same time may as well be the effect.
-        let takes_time = |cluster: &&TimeCluster| cluster.average_s > resolution_s;
-        let usual = clusters.iter().find(|cluster| cluster.probability >= USUAL);
-        let usual = usual.filter(takes_time)?;
+        let usual = clusters.iter().find(|cluster| cluster.probability >= USUAL)?;
         let spread_s = usual.maximum_s - usual.minimum_s;
         let beyond_s = (BEYOND_RESOLUTIONS * resolution_s).max(BEYOND_SHARE * spread_s);
         Some(Self {
