@@ -94,7 +94,7 @@ def tables(results: dict[str, Any]) -> list[Table]:
                     f"{count['delays']:,}",
                     _judged(
                         timing,
-                        share(count["by_alarm"], count["delays"]),
+                        share(count["by_alarm"], count["delays"], 2),
                         count["by_alarm"] >= LATE_FOUND * count["delays"],
                     ),
                     share(count["by_anything"], count["delays"]),
