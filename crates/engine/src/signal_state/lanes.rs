@@ -109,6 +109,8 @@ struct Band {
 pub struct Lanes {
     lanes: Vec<Lane>,
     states: usize,
+    /// The states that the others lead from, in their order.
+    from: Arc<[StateId]>,
     /// By their places.
     sides: Arc<[Side]>,
     /// Bands that are in no lane.
@@ -231,17 +233,16 @@ impl Lanes {
     }
 
     /// The lane where it is not the first of its state, or [`NONE`].
-    #[inline(never)]
+    #[inline(always)]
     fn find_further(&self, kind: ChainKind, current: StateId, first: usize) -> u32 {
         let Some(side) = self.side(first) else { return NONE };
-        let mut at = if kind == ChainKind::Device { side.further } else { side.group };
-        while let Some(lane) = self.lanes.get(at as usize) {
-            if lane.current == current {
-                return at;
-            }
-            at = self.side(at as usize).map_or(NONE, |side| side.further);
-        }
-        NONE
+        let (start, end) = match kind {
+            ChainKind::Device => (side.further, side.group),
+            ChainKind::Group => (side.group, side.end),
+        };
+        let from = self.from.get(start as usize..end as usize).unwrap_or_default();
+        let place = from.iter().position(|&from| from == current);
+        place.map_or(NONE, |place| (self.states + start as usize + place) as u32)
     }
 
     /// True for a learned state of a starting signal: a step of its group's chain.

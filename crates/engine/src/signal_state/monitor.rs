@@ -135,10 +135,9 @@ impl Monitor {
     /// A row older than one already watched; nothing of the batch is taken then.
     pub fn take_rows(&mut self, rows: &[Row]) -> Result<(), MonitorError> {
         self.check_order(rows)?;
-        let mut fetched = 0;
         let mut taken = 0;
         while taken < rows.len() {
-            taken = self.take_usual_rows(rows, taken, &mut fetched);
+            taken = self.take_usual_rows(rows, taken);
             if taken < rows.len() {
                 taken += self.take_next(&rows[taken..]);
             }

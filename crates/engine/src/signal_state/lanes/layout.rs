@@ -76,7 +76,7 @@ impl Lanes {
         }
         let mut more = Vec::new();
         let mut bands = Vec::new();
-        let mut last: Option<(StateId, ChainKind, usize)> = None;
+        let mut from = Vec::with_capacity(lanes.capacity() - states);
         for index in most_frequent_first(model) {
             let rule = &model.rules[index as usize];
             let kind = model.kind(rule.chain);
@@ -84,17 +84,12 @@ impl Lanes {
             let at = if kind == ChainKind::Device && lanes[first].current == NOWHERE {
                 first
             } else {
-                let new = lanes.len();
-                match last {
-                    Some((state, of, before)) if state == rule.next && of == kind => {
-                        side_of(&mut sides, &mut lanes[before]).further = new as u32;
-                    }
-                    _ => side_of(&mut sides, &mut lanes[first]).group = new as u32,
-                }
+                let place = from.len() as u32;
+                side_of(&mut sides, &mut lanes[first]).add_further(kind, place);
+                from.push(rule.current);
                 lanes.push(UNUSED);
-                new
+                lanes.len() - 1
             };
-            last = Some((rule.next, kind, at));
             layout.lane_of[index as usize] = at as u32;
             cut(model, rule, &model.accepted(index as usize), &mut bands);
             let lane = &mut lanes[at];
@@ -119,6 +114,7 @@ impl Lanes {
         Self {
             lanes,
             states,
+            from: from.into(),
             sides: sides.0.into(),
             more,
             entered: vec![NEVER; layout.tracked.len() + 1],

@@ -1,6 +1,7 @@
 //! What only some lanes need.
 
 use crate::log::Nanoseconds;
+use crate::signal_state::chains::ChainKind;
 use crate::signal_state::enabling::Trigger;
 
 use super::NONE;
@@ -9,10 +10,11 @@ use super::NONE;
 #[derive(Debug, Clone, Copy)]
 #[repr(align(32))]
 pub(super) struct Side {
-    /// The next lane of the same chain into the same state.
+    /// From the first lane of a state: its device's further lanes lie from here to `group`, its
+    /// group's lanes to `end`, among those that are no first ones.
     pub(super) further: u32,
-    /// From the first lane of a state: the first lane of the group's chain.
     pub(super) group: u32,
+    pub(super) end: u32,
     /// Places of the sides of the enabling states.
     pub(super) due: [u32; 2],
     /// Place of its further bands, and how many those are.
@@ -21,6 +23,17 @@ pub(super) struct Side {
 }
 
 impl Side {
+    /// Adds the next lane of a state that is no first one: the device's come before the group's.
+    pub(super) fn add_further(&mut self, kind: ChainKind, place: u32) {
+        if self.end == 0 {
+            (self.further, self.group) = (place, place);
+        }
+        self.end = place + 1;
+        if kind == ChainKind::Device {
+            self.group = self.end;
+        }
+    }
+
     /// Since when its lane was due, see [`Trigger::due`]; `entered` is by the places of sides.
     #[inline(always)]
     pub(super) fn due(
@@ -37,7 +50,7 @@ impl Side {
 
 /// A side with nothing on it.
 pub(super) const PLAIN: Side =
-    Side { further: NONE, group: NONE, due: [NONE; 2], more: 0, bands: 0 };
+    Side { further: 0, group: 0, end: 0, due: [NONE; 2], more: 0, bands: 0 };
 
 /// Sides while lanes are laid out: the first is the plain one, which most lanes share.
 pub(super) struct Sides(pub(super) Vec<Side>);

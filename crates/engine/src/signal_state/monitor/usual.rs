@@ -12,10 +12,10 @@ use crate::signal_state::states::StateId;
 use super::Monitor;
 use super::watch::Here;
 
-/// Rows whose lanes are fetched together, two such blocks ahead of their turn, and what stands
-/// beside the lanes one block ahead. The memory behind a big plant's lanes is the cost of watching
-/// it, unless it is asked for in time.
-const BLOCK: usize = 8;
+/// How many rows before its turn a row's lane is fetched, and what stands beside the lane. The
+/// memory behind a big plant's lanes is the cost of watching it, unless it is asked for in time.
+const FAR: usize = 16;
+const NEAR: usize = 8;
 
 /// What one usual row comes to.
 #[derive(Clone, Copy)]
@@ -30,13 +30,7 @@ struct Step {
 
 impl Monitor {
     /// Takes rows from one on, as long as all is usual; returns the place of the first not taken.
-    /// `fetched` counts the rows before whose turn all has been fetched.
-    pub(super) fn take_usual_rows(
-        &mut self,
-        rows: &[Row],
-        from: usize,
-        fetched: &mut usize,
-    ) -> usize {
+    pub(super) fn take_usual_rows(&mut self, rows: &[Row], from: usize) -> usize {
         if !self.watch.pending.is_empty() || !self.watch.started || self.watch.resynchronise {
             return from;
         }
@@ -45,10 +39,7 @@ impl Monitor {
         let mut at = from;
         // The end of a scan shows in the row after it.
         while let Some([row, next]) = rows.get(at..at + 2) {
-            if at >= *fetched {
-                self.fetch_block(rows, at);
-                *fetched = at + BLOCK;
-            }
+            self.fetch(rows, at);
             if over(row, next) {
                 if !self.take_plain(*row) && !self.take_particular(*row) {
                     break;
@@ -59,6 +50,7 @@ impl Monitor {
                 if !pair || !self.take_pair(*row, *next) {
                     break;
                 }
+                self.fetch(rows, at + 1);
                 at += 2;
             }
         }
@@ -68,15 +60,13 @@ impl Monitor {
         at
     }
 
-    /// Fetches what the rows of the blocks after this one will need: the first blocks of all, which
+    /// At the turn of a row, fetches what rows to come will need: the first rows of all, which
     /// nothing was fetched for, are few.
     #[inline(always)]
-    fn fetch_block(&self, rows: &[Row], from: usize) {
-        let Some(rows) = rows.get(from..from + 3 * BLOCK) else { return };
-        for (near, far) in rows[BLOCK..2 * BLOCK].iter().zip(&rows[2 * BLOCK..]) {
-            self.lanes.fetch(boolean_state(far));
-            self.lanes.fetch_side(boolean_state(near));
-        }
+    fn fetch(&self, rows: &[Row], at: usize) {
+        let Some(far) = rows.get(at + FAR) else { return };
+        self.lanes.fetch(boolean_state(far));
+        self.lanes.fetch_side(boolean_state(&rows[at + NEAR]));
     }
 
     /// Takes a row that is a scan of its own and a step of its device alone, by the most frequent
