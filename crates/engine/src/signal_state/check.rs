@@ -50,7 +50,7 @@ pub fn departures(model: &NominalModel, group: usize, lanes: &Lanes) -> Vec<Depa
     // Rules lie side by side as their lanes do; only what is found is put in order.
     let all = lanes.checked(group);
     for (place, checked) in all.iter().enumerate() {
-        fetch(model, &all[place..]);
+        fetch(model, lanes, &all[place..]);
         let rule = checked.rule();
         let sequence = model.rules[rule].sequence;
         if checked.branches() {
@@ -72,13 +72,14 @@ pub fn departures(model: &NominalModel, group: usize, lanes: &Lanes) -> Vec<Depa
 }
 
 /// Fetches what rules yet to be checked need.
-fn fetch(model: &NominalModel, to_come: &[Checked]) {
+fn fetch(model: &NominalModel, lanes: &Lanes, to_come: &[Checked]) {
     if let Some(far) = to_come.get(2 * AHEAD)
         && let Some(trigger) = &model.rules[far.rule()].trigger
     {
         prefetch_index(std::slice::from_ref(trigger.as_ref()), 0);
     }
     if let Some(near) = to_come.get(AHEAD) {
+        lanes.fetch_rule(near.rule());
         let clusters = model.rules[near.rule()].judged();
         prefetch_index(clusters, 0);
         prefetch_index(clusters, 1);

@@ -14,7 +14,6 @@ mod within;
 pub use counted::{Counters, Seen};
 pub use layout::Checked;
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
@@ -35,6 +34,9 @@ pub const NEVER: Nanoseconds = Nanoseconds::MIN;
 const NONE: u32 = u32::MAX;
 /// No rule leads here; unlike [`NO_STATE`], no chain stands there.
 const NOWHERE: StateId = NO_STATE - 1;
+
+/// In place of a band: the time means nothing.
+const UNTIMED: u32 = u32::MAX;
 
 /// Bands in the lane itself; a rule has seldom more.
 const INLINE: usize = 2;
@@ -119,7 +121,9 @@ pub struct Lanes {
     /// come first; all that have no side share the very first, which nothing reads.
     entered: Vec<Nanoseconds>,
     /// By lane: how often it was taken at a time that means nothing, since the last check.
-    untimed: BTreeMap<u32, u32>,
+    untimed: Vec<u32>,
+    /// Whether times mean something in a group's chain, too.
+    times_groups: bool,
     layout: Arc<Layout>,
 }
 
@@ -274,6 +278,15 @@ impl Lanes {
         (band != NONE).then_some(Usual { lane: lane as u32, band, took })
     }
 
+    /// The lane of a group's chain as it is usually taken.
+    #[inline(always)]
+    pub fn usual_of_group(&self, lane: usize, took: Nanoseconds) -> Option<Usual> {
+        if self.times_groups {
+            return self.usual(lane, took);
+        }
+        Some(Usual { lane: lane as u32, band: UNTIMED, took })
+    }
+
     /// Numbers go in and out: what went through memory would keep all of a step there.
     #[inline(never)]
     fn further_band(&self, lane: usize, took: Nanoseconds) -> u32 {
@@ -285,6 +298,9 @@ impl Lanes {
     #[inline(always)]
     pub fn take(&mut self, usual: Usual) {
         let Usual { lane, band, took } = usual;
+        if band == UNTIMED {
+            return self.take_untimed(lane as usize);
+        }
         let at = &mut self.lanes[lane as usize];
         if let Some(seen) = at.seen.get_mut(band as usize) {
             *seen += 1;
@@ -304,8 +320,9 @@ impl Lanes {
     }
 
     /// Counts a transition whose time means nothing.
+    #[inline(always)]
     pub fn take_untimed(&mut self, lane: usize) {
-        *self.untimed.entry(lane as u32).or_default() += 1;
+        self.untimed[lane] += 1;
     }
 
     /// The rule of a lane.

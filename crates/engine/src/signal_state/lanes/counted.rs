@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use prefetch_index::prefetch_index;
+
 use crate::log::Nanoseconds;
 use crate::signal_state::states::StateId;
 
@@ -29,15 +31,18 @@ pub struct Counters {
 }
 
 impl Lanes {
+    /// Fetches what was counted of a rule.
+    pub fn fetch_rule(&self, rule: usize) {
+        prefetch_index(&self.lanes, self.layout.lane_of[rule] as usize);
+    }
+
     /// How often a rule was taken since the last check.
     pub fn count(&self, rule: usize) -> u32 {
         let at = self.layout.lane_of[rule];
         let lane = &self.lanes[at as usize];
         let [one, other] = lane.seen;
         let further: u32 = self.further(at as usize).iter().map(|band| band.seen.count).sum();
-        // Nearly always there is none, and a check asks for every rule of a group.
-        let untimed = if self.untimed.is_empty() { None } else { self.untimed.get(&at) };
-        one + other + further + untimed.copied().unwrap_or_default()
+        one + other + further + self.untimed[at as usize]
     }
 
     /// What was seen of the clusters of a rule since the last check.
@@ -71,9 +76,7 @@ impl Lanes {
                     band.seen = Seen::default();
                 }
             }
-            if !self.untimed.is_empty() {
-                self.untimed.remove(&at);
-            }
+            self.untimed[at as usize] = 0;
         }
     }
 
@@ -114,8 +117,8 @@ impl Lanes {
             let Some(untimed) = count.checked_sub(timed) else { return false };
             if bands == 0 {
                 lane.seen[0] = untimed;
-            } else if untimed > 0 {
-                self.untimed.insert(at, untimed);
+            } else {
+                self.untimed[at as usize] = untimed;
             }
         }
         for &(state, entered) in &counters.entered {

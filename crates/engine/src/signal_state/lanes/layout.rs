@@ -1,6 +1,5 @@
 //! Laying the rules of a model out in lanes.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use crate::log::{Nanoseconds, SECOND};
@@ -110,6 +109,7 @@ impl Lanes {
             }
         }
         layout.finish(lanes.len(), model);
+        let untimed = vec![0; lanes.len()];
         more.shrink_to_fit();
         Self {
             lanes,
@@ -118,7 +118,8 @@ impl Lanes {
             sides: sides.0.into(),
             more,
             entered: vec![NEVER; layout.tracked.len() + 1],
-            untimed: BTreeMap::new(),
+            untimed,
+            times_groups: model.parameters.timing == Timing::Plat,
             layout: Arc::new(layout),
         }
     }

@@ -37,7 +37,7 @@ impl Monitor {
             Some(lane) => {
                 let timed = self.timed(lane, from.since, event);
                 let in_time = if timed.as_learned {
-                    self.take_as_learned(lane, timed)
+                    self.take_as_learned(kind, lane, timed)
                 } else {
                     self.take_without_trigger(lane, timed)
                 };
@@ -70,8 +70,11 @@ impl Monitor {
     }
 
     #[inline]
-    fn take_as_learned(&mut self, lane: usize, timed: Timed) -> bool {
-        let usual = self.lanes.usual(lane, timed.took);
+    fn take_as_learned(&mut self, kind: ChainKind, lane: usize, timed: Timed) -> bool {
+        let usual = match kind {
+            ChainKind::Device => self.lanes.usual(lane, timed.took),
+            ChainKind::Group => self.lanes.usual_of_group(lane, timed.took),
+        };
         if let Some(usual) = usual {
             self.lanes.take(usual);
         }

@@ -171,7 +171,7 @@ impl Monitor {
             let chain = self.model.chains.chain_of_group(group);
             let (lane, since) = self.known(self.watch.here[chain], ChainKind::Group, state)?;
             let took = Timed::new(since, row.time, true).took;
-            Some((chain, self.lanes.usual(lane, took)?))
+            Some((chain, self.lanes.usual_of_group(lane, took)?))
         } else {
             None
         };
