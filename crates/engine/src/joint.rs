@@ -19,7 +19,7 @@ use crate::saved_state;
 use crate::signal_state::events::Row;
 use crate::signal_state::found::Found;
 use crate::signal_state::model::NominalModel;
-use crate::signal_state::monitor::{Monitor, MonitorError};
+use crate::signal_state::monitor::{Columns, Keys, Monitor, MonitorError};
 use crate::signal_state::snapshot::Snapshot;
 
 use self::aside::{Aside, Meaning};
@@ -190,6 +190,25 @@ impl JointMonitor {
                 self.found.extend(findings);
                 Ok(())
             }
+        }
+    }
+
+    /// What the keys of columns stand for that stand for signals by their numbers.
+    pub fn keys(&self, numbers: Vec<SignalIndex>) -> Keys {
+        match &self.signal_state {
+            Some(signal_state) => signal_state.keys(numbers),
+            None => Keys::unmarked(numbers),
+        }
+    }
+
+    /// What [`Self::take_rows`] does, of rows in columns.
+    ///
+    /// # Errors
+    /// A row older than what has been seen.
+    pub fn take_columns(&mut self, columns: Columns<'_>) -> Result<(), MonitorError> {
+        match (&mut self.signal_state, &self.cycle) {
+            (Some(signal_state), None) => signal_state.take_columns(columns),
+            _ => self.take_rows(&columns.to_rows()),
         }
     }
 

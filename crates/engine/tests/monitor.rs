@@ -12,7 +12,7 @@ use runglight_engine::log::{ChangeLog, ChangeLogBuilder, SECOND};
 use runglight_engine::signal_state::events::Row;
 use runglight_engine::signal_state::learn::learn;
 use runglight_engine::signal_state::model::NominalModel;
-use runglight_engine::signal_state::monitor::{Monitor, MonitorError};
+use runglight_engine::signal_state::monitor::{Columns, Monitor, MonitorError};
 use runglight_engine::signal_state::parameters::{Parameters, Timing};
 use runglight_engine::symbols::SymbolTable;
 
@@ -116,6 +116,60 @@ proptest! {
         }
         split.extend(monitor.finish());
         prop_assert_eq!(whole, split);
+    }
+
+    #[test]
+    fn columns_come_to_the_same_as_rows(
+        nominal in random_log(150),
+        watched in random_log(400),
+        cut in 0usize..=400,
+        unknown in 0u32..6,
+        plat in any::<bool>(),
+        scan_ms in prop::option::of(1u32..2500),
+    ) {
+        let parameters = Parameters {
+            timing: if plat { Timing::Plat } else { Timing::Adaptive },
+            check_every: 2,
+            false_alarms_per_day: 1e6,
+            scan_interval_s: scan_ms.map(|ms| f64::from(ms) / 1000.0),
+            ..Parameters::default()
+        };
+        let Ok(model) = learn(&[nominal], &SymbolTable::default(), &parameters) else {
+            return Ok(());
+        };
+        let model = Arc::new(model);
+        // Keys run the other way round, and one stands for a signal that nobody learned.
+        let mut monitor = Monitor::new(Arc::clone(&model));
+        let numbers: Vec<u32> = (0..6)
+            .rev()
+            .map(|signal| {
+                let symbol = if signal == unknown { "Z-Z-Z" } else { SIGNALS[signal as usize] };
+                monitor.signal_index(symbol, model.symbols().find(&model.plant, symbol))
+            })
+            .collect();
+        let keys = monitor.keys(numbers.clone());
+        let key: Vec<u32> = watched.signal.iter().map(|signal| 5 - signal).collect();
+        let rows: Vec<Row> = (0..watched.len())
+            .map(|i| Row {
+                time: watched.time[i],
+                signal: numbers[key[i] as usize],
+                value: watched.value[i],
+            })
+            .collect();
+        let mut by_rows = monitor.clone();
+        by_rows.take_rows(&rows).expect("rows in order");
+        for range in [0..cut, cut..watched.len()] {
+            let (time, value) = (&watched.time[range.clone()], &watched.value[range.clone()]);
+            let columns = Columns::new(time, &key[range], value, &keys);
+            monitor.take_columns(columns).expect("rows in order");
+        }
+        prop_assert_eq!(by_rows.finish(), monitor.finish());
+        let early = Columns::new(&watched.time[..1], &key[..1], &watched.value[..1], &keys);
+        let before = MonitorError::Order { row: 1, late_s: String::new() };
+        if monitor.now() > Some(watched.time[0]) {
+            let refused = monitor.take_columns(early).expect_err("an older row");
+            prop_assert_eq!(std::mem::discriminant(&refused), std::mem::discriminant(&before));
+        }
     }
 
     #[test]

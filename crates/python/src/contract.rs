@@ -8,16 +8,16 @@ use arrow_array::types::{Int32Type, Int64Type, TimestampNanosecondType, UInt32Ty
 use arrow_array::{
     Array, DictionaryArray, PrimitiveArray, RecordBatch, RecordBatchReader, StringArray,
 };
+use arrow_buffer::ScalarBuffer;
 use arrow_schema::{ArrowError, DataType, TimeUnit};
 use pyo3::prelude::*;
 
 use runglight_engine::log::SignalIndex;
-use runglight_engine::signal_state::events::Row;
 use runglight_engine::signal_state::found::Found;
-use runglight_engine::signal_state::monitor::MonitorError;
+use runglight_engine::signal_state::monitor::{Keys, MonitorError};
 
 use crate::errors;
-use crate::monitor::{CHUNK_ROWS, PyMonitor};
+use crate::monitor::PyMonitor;
 
 /// A name whose first row has not come yet, or that no model knows.
 const UNNUMBERED: SignalIndex = SignalIndex::MAX;
@@ -25,36 +25,10 @@ const UNNUMBERED: SignalIndex = SignalIndex::MAX;
 /// The columns of a batch in the contract's schema, nothing missing.
 struct Columns {
     time: PrimitiveArray<TimestampNanosecondType>,
-    keys: Keys,
+    /// Places in the dictionary of names.
+    keys: ScalarBuffer<u32>,
     names: StringArray,
     value: PrimitiveArray<Int64Type>,
-}
-
-enum Keys {
-    Unsigned(PrimitiveArray<UInt32Type>),
-    Signed(PrimitiveArray<Int32Type>),
-}
-
-impl Keys {
-    /// Places in the dictionary of some rows, where they lie or in `room`; a negative key lies
-    /// beyond every dictionary.
-    fn of<'a>(&'a self, rows: std::ops::Range<usize>, room: &'a mut Vec<u32>) -> &'a [u32] {
-        match self {
-            Self::Unsigned(keys) => &keys.values()[rows],
-            Self::Signed(keys) => {
-                room.clear();
-                room.extend(keys.values()[rows].iter().map(|&key| key as u32));
-                room
-            }
-        }
-    }
-
-    fn largest(&self) -> Option<u32> {
-        match self {
-            Self::Unsigned(keys) => keys.values().iter().copied().max(),
-            Self::Signed(keys) => keys.values().iter().map(|&key| key as u32).max(),
-        }
-    }
 }
 
 impl Columns {
@@ -70,16 +44,18 @@ impl Columns {
         let (keys, names) = match signal.data_type() {
             DataType::Dictionary(key, _) if **key == DataType::UInt32 => {
                 let signal: &DictionaryArray<UInt32Type> = signal.as_dictionary_opt()?;
-                (Keys::Unsigned(signal.keys().clone()), signal.values())
+                (signal.keys().values().clone(), signal.values())
             }
             DataType::Dictionary(key, _) if **key == DataType::Int32 => {
                 let signal: &DictionaryArray<Int32Type> = signal.as_dictionary_opt()?;
-                (Keys::Signed(signal.keys().clone()), signal.values())
+                // A negative one lies beyond every dictionary.
+                (signal.keys().values().inner().clone().into(), signal.values())
             }
             _ => return None,
         };
         let names = names.as_string_opt::<i32>()?.clone();
-        let known = keys.largest().is_none_or(|largest| (largest as usize) < names.len());
+        let largest = keys.iter().copied().max();
+        let known = largest.is_none_or(|largest| (largest as usize) < names.len());
         known.then_some(Self {
             time: time.as_primitive_opt()?.clone(),
             keys,
@@ -105,7 +81,9 @@ fn in_order(batches: &[Columns]) -> bool {
 #[derive(Default)]
 pub struct Dictionary {
     names: Option<StringArray>,
-    numbers: Vec<SignalIndex>,
+    keys: Keys,
+    /// Some have no number yet.
+    unnumbered: bool,
 }
 
 impl Dictionary {
@@ -140,32 +118,14 @@ impl PyMonitor {
     }
 
     fn watch_columns(&mut self, batches: &[Columns]) -> Result<Found, MonitorError> {
-        let mut rows: Vec<Row> = Vec::with_capacity(CHUNK_ROWS);
-        let mut room: Vec<u32> = Vec::new();
         for batch in batches {
             self.take_dictionary(&batch.names);
-            let length = batch.time.len();
-            for start in (0..length).step_by(CHUNK_ROWS) {
-                let end = length.min(start + CHUNK_ROWS);
-                let keys = batch.keys.of(start..end, &mut room);
-                let columns = batch.time.values()[start..end]
-                    .iter()
-                    .zip(&batch.value.values()[start..end])
-                    .zip(keys);
-                let numbers = &self.dictionary.numbers;
-                let mut numbered = true;
-                rows.clear();
-                rows.extend(columns.map(|((&time, &value), &key)| {
-                    let signal = numbers[key as usize];
-                    numbered &= signal != UNNUMBERED;
-                    Row { time, signal, value }
-                }));
-                if !numbered {
-                    self.number(&mut rows, keys, &batch.names);
-                }
-                self.naming.keep_own(&mut rows);
-                self.monitor.take_rows(&rows)?;
-            }
+            self.number(batch);
+            let keys = std::mem::take(&mut self.dictionary.keys);
+            let taken =
+                self.take_columns(batch.time.values(), &batch.keys, batch.value.values(), &keys);
+            self.dictionary.keys = keys;
+            taken?;
         }
         Ok(self.monitor.take_found())
     }
@@ -179,16 +139,24 @@ impl PyMonitor {
             return false;
         }
         let found = self.naming.find_all(names.iter().flatten());
-        let numbers = found.into_iter().map(|known| known.unwrap_or(UNNUMBERED)).collect();
-        self.dictionary = Dictionary { names: Some(names.clone()), numbers };
+        let numbers: Vec<SignalIndex> =
+            found.into_iter().map(|known| known.unwrap_or(UNNUMBERED)).collect();
+        let unnumbered = numbers.contains(&UNNUMBERED);
+        let keys = self.monitor.keys(numbers);
+        self.dictionary = Dictionary { names: Some(names.clone()), keys, unnumbered };
         true
     }
 
     /// Numbers signals that no model knows, in the order of their first rows.
-    fn number(&mut self, rows: &mut [Row], keys: &[u32], names: &StringArray) {
-        for (row, &key) in rows.iter_mut().zip(keys).filter(|(row, _)| row.signal == UNNUMBERED) {
-            row.signal = self.monitor.signal_index(names.value(key as usize), None);
-            self.dictionary.numbers[key as usize] = row.signal;
+    fn number(&mut self, batch: &Columns) {
+        if !self.dictionary.unnumbered {
+            return;
+        }
+        for &key in &batch.keys {
+            if self.dictionary.keys.number(key) == UNNUMBERED {
+                let number = self.monitor.signal_index(batch.names.value(key as usize), None);
+                self.dictionary.keys.renumber(key, number);
+            }
         }
     }
 }

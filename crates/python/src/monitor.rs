@@ -10,11 +10,11 @@ use pyo3_arrow::PyRecordBatchReader;
 
 use runglight_engine::cycle::model::CycleModel;
 use runglight_engine::joint::JointMonitor;
-use runglight_engine::log::{ChangeLog, Gap, SignalIndex};
+use runglight_engine::log::{ChangeLog, Gap, Nanoseconds, SignalIndex};
 use runglight_engine::signal_state::events::Row;
 use runglight_engine::signal_state::found::Found;
 use runglight_engine::signal_state::model::NominalModel;
-use runglight_engine::signal_state::monitor::MonitorError;
+use runglight_engine::signal_state::monitor::{Columns, Keys, MonitorError};
 
 use crate::change_log::PyChangeLog;
 use crate::contract::Dictionary;
@@ -22,11 +22,11 @@ use crate::errors;
 use crate::findings::PyFindings;
 
 /// Times, signals and values as numpy hands them over.
-type Columns<'py> =
+type Arrays<'py> =
     (PyReadonlyArray1<'py, i64>, PyReadonlyArray1<'py, u32>, PyReadonlyArray1<'py, i64>);
 
 /// Rows handed to the engine at once.
-pub const CHUNK_ROWS: usize = 4096;
+const CHUNK_ROWS: usize = 4096;
 
 /// Watches one plant.
 #[pyclass(name = "Monitor", module = "runglight._engine")]
@@ -133,7 +133,7 @@ impl PyMonitor {
     }
 
     /// Three columns as rows of bound signals.
-    fn rows(&self, columns: &Columns<'_>) -> PyResult<Vec<Row>> {
+    fn rows(&self, columns: &Arrays<'_>) -> PyResult<Vec<Row>> {
         let (time, signal, value) =
             (columns.0.as_array(), columns.1.as_array(), columns.2.as_array());
         if time.len() != signal.len() || time.len() != value.len() {
@@ -166,43 +166,52 @@ impl PyMonitor {
         gaps: impl Iterator<Item = &'a Gap>,
     ) -> Result<Found, MonitorError> {
         let numbers = self.numbers(&log.signals);
+        let keys = self.monitor.keys(numbers);
         let mut found = Found::default();
         let mut start = rows.start;
         for gap in gaps {
             let times = &log.time[start..rows.end];
             let end = start + times.partition_point(|&time| time < gap.end);
-            self.take_range(log, start..end, &numbers)?;
+            self.take_range(log, start..end, &keys)?;
             found.append(self.monitor.take_found());
             found.append(self.monitor.gap(gap.start, gap.end).into());
             start = end;
         }
-        self.take_range(log, start..rows.end, &numbers)?;
+        self.take_range(log, start..rows.end, &keys)?;
         found.append(self.monitor.take_found());
         Ok(found)
     }
 
-    /// Rows of a log in chunks that stay in the processor's cache.
+    /// Rows of a log, whose keys are its signals.
     fn take_range(
         &mut self,
         log: &ChangeLog,
         range: Range<usize>,
-        numbers: &[SignalIndex],
+        keys: &Keys,
     ) -> Result<(), MonitorError> {
-        let mut chunk: Vec<Row> = Vec::with_capacity(CHUNK_ROWS);
-        for start in range.clone().step_by(CHUNK_ROWS) {
-            let end = range.end.min(start + CHUNK_ROWS);
-            let columns = log.time[start..end]
-                .iter()
-                .zip(&log.signal[start..end])
-                .zip(&log.value[start..end]);
-            chunk.clear();
-            chunk.extend(columns.map(|((&time, &signal), &value)| Row {
-                time,
-                signal: numbers[signal as usize],
-                value,
-            }));
-            self.naming.keep_own(&mut chunk);
-            self.monitor.take_rows(&chunk)?;
+        let (time, key) = (&log.time[range.clone()], &log.signal[range.clone()]);
+        self.take_columns(time, key, &log.value[range], keys)
+    }
+
+    /// Rows in columns, in chunks that stay in the processor's cache; those of other parts are left
+    /// out.
+    pub fn take_columns(
+        &mut self,
+        time: &[Nanoseconds],
+        key: &[u32],
+        value: &[i64],
+        keys: &Keys,
+    ) -> Result<(), MonitorError> {
+        let chunks = time.chunks(CHUNK_ROWS).zip(key.chunks(CHUNK_ROWS));
+        for ((time, key), value) in chunks.zip(value.chunks(CHUNK_ROWS)) {
+            let columns = Columns::new(time, key, value, keys);
+            if matches!(self.naming, Naming::Part(_)) {
+                let mut rows = columns.to_rows();
+                self.naming.keep_own(&mut rows);
+                self.monitor.take_rows(&rows)?;
+            } else {
+                self.monitor.take_columns(columns)?;
+            }
         }
         Ok(())
     }

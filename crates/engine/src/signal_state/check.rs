@@ -12,7 +12,7 @@ use prefetch_index::prefetch_index;
 use crate::finding::Kind;
 use crate::log::SECOND;
 use crate::timing::TimeCluster;
-use crate::timing::limits::{BODY_INSTANCES, plat_allowance_s};
+use crate::timing::limits::BODY_INSTANCES;
 
 use super::chains::ChainKind;
 use super::lanes::{Checked, Lanes, Seen};
@@ -51,6 +51,9 @@ pub fn departures(model: &NominalModel, group: usize, lanes: &Lanes) -> Vec<Depa
     let all = lanes.checked(group);
     for (place, checked) in all.iter().enumerate() {
         fetch(model, lanes, &all[place..]);
+        if lanes.is_steady(*checked) {
+            continue;
+        }
         let rule = checked.rule();
         let sequence = model.rules[rule].sequence;
         if checked.branches() {
@@ -73,16 +76,23 @@ pub fn departures(model: &NominalModel, group: usize, lanes: &Lanes) -> Vec<Depa
 
 /// Fetches what rules yet to be checked need.
 fn fetch(model: &NominalModel, lanes: &Lanes, to_come: &[Checked]) {
-    if let Some(far) = to_come.get(2 * AHEAD)
+    if let Some(farthest) = to_come.get(4 * AHEAD).filter(|far| far.is_intricate()) {
+        // A rule lies in two lines of memory or three.
+        prefetch_index(&model.rules, farthest.rule());
+        prefetch_index(&model.rules, farthest.rule() + 1);
+    }
+    if let Some(far) = to_come.get(2 * AHEAD).filter(|far| far.is_intricate())
         && let Some(trigger) = &model.rules[far.rule()].trigger
     {
         prefetch_index(std::slice::from_ref(trigger.as_ref()), 0);
     }
     if let Some(near) = to_come.get(AHEAD) {
-        lanes.fetch_rule(near.rule());
-        let clusters = model.rules[near.rule()].judged();
-        prefetch_index(clusters, 0);
-        prefetch_index(clusters, 1);
+        lanes.fetch_checked(*near);
+        if near.is_intricate() {
+            let clusters = model.rules[near.rule()].judged();
+            prefetch_index(clusters, 0);
+            prefetch_index(clusters, 1);
+        }
     }
 }
 
@@ -193,14 +203,16 @@ fn share_changed(
 
 fn mean_changed(model: &NominalModel, cluster: &TimeCluster, observed: f64, count: u32) -> bool {
     let change = (observed - cluster.average_s).abs();
-    if model.parameters.timing == Timing::Plat {
-        return change > plat_allowance_s(cluster.average_s);
-    }
-    let resolution = model.learned.resolution as f64 / SECOND as f64;
-    let relevant = (model.parameters.significant_change * cluster.average_s).max(3.0 * resolution);
-    if change <= relevant || count < OBSERVATIONS_AT_LEAST || cluster.instances < BODY_INSTANCES {
+    if change <= model.significant_change_s(cluster) {
         return false;
     }
+    if model.parameters.timing == Timing::Plat {
+        return true;
+    }
+    if count < OBSERVATIONS_AT_LEAST || cluster.instances < BODY_INSTANCES {
+        return false;
+    }
+    let resolution = model.learned.resolution as f64 / SECOND as f64;
     // Of several times, how their shares wander says how far times stick together.
     let dispersion = f64::from(cluster.dispersion).max(1.0);
     let n0 = f64::from(cluster.instances);

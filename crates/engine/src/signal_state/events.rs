@@ -70,34 +70,26 @@ impl Values {
         }
     }
 
-    /// A row that is the change of a signal to a boolean value, which may then be taken in; `None`
-    /// for any other.
+    /// True where a signal's value changes by coming to one of its two states as a boolean.
     #[inline(always)]
-    pub fn change(&mut self, signal: SignalIndex, value: i64) -> Option<Change<'_>> {
-        let last = self.last.get_mut(signal as usize)?;
+    pub fn changes(&self, state: u32) -> bool {
         // Also from a value nobody knew, or from a word.
-        let changes = u64::from(*last & !DOUBTED) != value as u64;
-        (changes && value & !1 == 0).then_some(Change { last, value: value as u8 })
+        self.last
+            .get(state as usize / 2)
+            .is_some_and(|last| u32::from(last & !DOUBTED) != state % 2)
+    }
+
+    /// Takes such a change in.
+    #[inline(always)]
+    pub fn take_change(&mut self, state: u32) {
+        if let Some(last) = self.last.get_mut(state as usize / 2) {
+            *last = state as u8 & 1;
+        }
     }
 
     /// A gap: every signal may have changed unseen.
     pub fn doubt(&mut self) {
         self.last.iter_mut().for_each(|last| *last |= DOUBTED);
-    }
-}
-
-/// The change of a signal to a boolean value.
-#[derive(Debug)]
-pub struct Change<'a> {
-    last: &'a mut u8,
-    value: u8,
-}
-
-impl Change<'_> {
-    /// Takes it in.
-    #[inline(always)]
-    pub fn take(self) {
-        *self.last = self.value;
     }
 }
 

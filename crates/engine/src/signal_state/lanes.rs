@@ -6,13 +6,14 @@
 //! frequent transition into its state touches one line. What only some rules need lies beside
 //! ([`sides`]); everything else a rule knows stays in the model until something departs from it.
 
+mod checked;
 mod counted;
 mod layout;
 mod sides;
 mod within;
 
+pub use checked::Checked;
 pub use counted::{Counters, Seen};
-pub use layout::Checked;
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -135,36 +136,51 @@ pub struct Usual {
     took: Nanoseconds,
 }
 
-/// The first lane of a state, where an event is a step of no more than one device.
+/// The first lanes of the states, and what they need: where most events end.
 #[derive(Debug)]
-pub struct Plain<'a> {
-    lane: &'a mut Lane,
+pub struct First<'a> {
+    lanes: &'a mut [Lane],
     sides: &'a [Side],
     entered: &'a mut [Nanoseconds],
 }
 
-impl Plain<'_> {
-    /// Since when its transition runs, of a device that stands where it stands since `own`; `None`
-    /// where it waits for what has not happened afresh.
+impl First<'_> {
+    /// Fetches the lane of a state, so that it is at hand when its turn comes.
     #[inline(always)]
-    pub fn since(&self, own: Nanoseconds) -> Option<Nanoseconds> {
-        if !self.lane.has(Traits::WAITS) {
-            return Some(own);
+    pub fn fetch(&self, state: StateId) {
+        // Beyond the last there are only signals nobody learned: to fetch what is there is no harm.
+        prefetch_index(&*self.lanes, state as usize);
+    }
+
+    /// Fetches what stands beside a state's lane, which is at hand; most have nothing there and
+    /// fetch the same.
+    #[inline(always)]
+    pub fn fetch_side(&self, state: StateId) {
+        if let Some(lane) = self.lanes.get(state as usize) {
+            prefetch_index(self.sides, lane.place_of_side());
         }
-        let place = self.lane.place_of_side();
-        let before = self.entered.get(place).copied().unwrap_or(NEVER);
-        self.sides.get(place)?.due(self.entered, before, own)
     }
 
     /// Counts a transition from `current` at `time` as a usual one; false, and nothing counted,
-    /// where it is not one of this lane, or what it `took`, not below zero, is not accepted in it.
+    /// where it is not one of the state's first lane, or what it `took`, not below zero, is not
+    /// accepted in one of the lane's own bands.
     #[inline(always)]
-    pub fn take(self, current: StateId, time: Nanoseconds, took: Nanoseconds) -> bool {
-        let Self { lane, entered, .. } = self;
-        let Some(band) = lane.band(took).filter(|_| lane.current == current) else { return false };
+    pub fn take(
+        &mut self,
+        state: StateId,
+        current: StateId,
+        time: Nanoseconds,
+        took: Nanoseconds,
+    ) -> bool {
+        let Some(lane) = self.lanes.get_mut(state as usize) else { return false };
+        let [first, second] = lane.within.map(|within| within.holds(took));
+        if !(first | second) | (lane.current != current) {
+            return false;
+        }
+        let band = usize::from(!first);
         lane.seen[band] += 1;
         lane.sum[band] = lane.sum[band].wrapping_add(took);
-        if let Some(entered) = entered.get_mut(lane.place_of_side()) {
+        if let Some(entered) = self.entered.get_mut(lane.place_of_side()) {
             *entered = time;
         }
         true
@@ -172,28 +188,10 @@ impl Plain<'_> {
 }
 
 impl Lanes {
-    /// Fetches the lane of a state, so that it is at hand when its turn comes.
+    /// The first lanes of the states.
     #[inline(always)]
-    pub fn fetch(&self, state: usize) {
-        // Beyond the last there are only signals nobody learned: to fetch what is there is no harm.
-        prefetch_index(&self.lanes, state);
-    }
-
-    /// Fetches what stands beside a state's lane, which is at hand; most have nothing there and
-    /// fetch the same.
-    #[inline(always)]
-    pub fn fetch_side(&self, state: usize) {
-        if let Some(lane) = self.lanes.get(state) {
-            prefetch_index(&self.sides, lane.place_of_side());
-        }
-    }
-
-    /// The lane of a state of a boolean, where its events are no more than its device's own.
-    #[inline(always)]
-    pub fn plain(&mut self, state: StateId) -> Option<Plain<'_>> {
-        let lane = self.lanes.get_mut(state as usize)?;
-        let plain = Plain { lane, sides: &self.sides, entered: &mut self.entered };
-        (!plain.lane.has(Traits::STARTING)).then_some(plain)
+    pub fn first(&mut self) -> First<'_> {
+        First { lanes: &mut self.lanes, sides: &self.sides, entered: &mut self.entered }
     }
 
     #[inline(always)]

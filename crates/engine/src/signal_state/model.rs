@@ -7,7 +7,8 @@ use serde::{Deserialize, Serialize};
 use crate::log::{Nanoseconds, SECOND, SignalIndex};
 use crate::plant::Plant;
 use crate::symbol_index::SymbolIndex;
-use crate::timing::limits::{self, Accepted, Tail};
+use crate::timing::TimeCluster;
+use crate::timing::limits::{self, Accepted, Tail, plat_allowance_s};
 
 use super::budget::Budget;
 use super::chains::{ChainIndex, ChainKind, Chains};
@@ -265,6 +266,17 @@ impl NominalModel {
             return Lanes::of(self);
         }
         self.lanes.get_or_init(|| Lanes::of(self)).clone()
+    }
+
+    /// By how much more, in seconds, the average of a cluster must change to mean anything.
+    pub fn significant_change_s(&self, cluster: &TimeCluster) -> f64 {
+        match self.parameters.timing {
+            Timing::Plat => plat_allowance_s(cluster.average_s),
+            Timing::Adaptive => {
+                let resolution = self.learned.resolution as f64 / SECOND as f64;
+                (self.parameters.significant_change * cluster.average_s).max(3.0 * resolution)
+            }
+        }
     }
 
     /// How long a group may pause before it has stopped.

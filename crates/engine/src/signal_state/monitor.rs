@@ -4,7 +4,9 @@
 //! went on. Rows are held until their scan is complete, so any split of a log into batches gives
 //! the same findings. All state is plain data and serialises.
 
+mod batch;
 mod deadlines;
+mod marks;
 mod paths;
 mod report;
 mod saved;
@@ -32,6 +34,11 @@ use super::snapshot::Snapshot;
 use super::states::NO_STATE;
 use super::teller::Teller;
 
+pub use batch::Columns;
+pub use marks::Keys;
+
+use batch::Batch;
+use marks::{Mark, Marks};
 use step::Entry;
 use watch::Watch;
 
@@ -83,18 +90,24 @@ pub struct Monitor {
     /// Findings not taken yet.
     records: Vec<Record>,
     scratch: Vec<(ChainIndex, Entry)>,
+    marks: Marks,
+    /// The marks of the rows in hand.
+    marked: Vec<Mark>,
 }
 
 impl Monitor {
     /// A monitor that has seen nothing yet.
     pub fn new(model: Arc<NominalModel>) -> Self {
         let groups = model.plant.groups.len();
+        let lanes = model.fresh_lanes();
         Self {
             order: (model.parameters.timing == Timing::Adaptive)
                 .then(|| ScanOrder::of(&model.plant)),
             stall_after: (0..groups).map(|group| model.stall_after(group)).collect(),
             fresh_for: (model.parameters.return_within_s * SECOND as f64) as Nanoseconds,
-            lanes: model.fresh_lanes(),
+            marks: Marks::of(&model.chains, &lanes, model.plant.signals.len()),
+            marked: Vec::new(),
+            lanes,
             watch: Watch::of(&model),
             records: Vec::new(),
             scratch: Vec::new(),
@@ -135,14 +148,25 @@ impl Monitor {
     /// A row older than one already watched; nothing of the batch is taken then.
     pub fn take_rows(&mut self, rows: &[Row]) -> Result<(), MonitorError> {
         self.check_order(rows)?;
-        let mut taken = 0;
-        while taken < rows.len() {
-            taken = self.take_usual_rows(rows, taken);
-            if taken < rows.len() {
-                taken += self.take_next(&rows[taken..]);
-            }
-        }
+        self.take_batch(rows);
         Ok(())
+    }
+
+    /// The same, of rows in columns, which are in time order by themselves.
+    ///
+    /// # Errors
+    /// They begin before a row already watched; none of them is taken then.
+    pub fn take_columns(&mut self, columns: Columns<'_>) -> Result<(), MonitorError> {
+        if columns.times(0..columns.len().min(1)).any(|first| first < self.watch.now) {
+            return Err(self.disorder(columns));
+        }
+        self.take_batch(columns);
+        Ok(())
+    }
+
+    /// What the keys of columns stand for that stand for signals by their numbers.
+    pub fn keys(&self, numbers: Vec<SignalIndex>) -> Keys {
+        self.marks.keys(numbers)
     }
 
     /// All findings not taken yet.
@@ -257,24 +281,24 @@ impl Monitor {
         std::mem::take(&mut self.watch.snapshots)
     }
 
-    fn check_order(&self, rows: &[Row]) -> Result<(), MonitorError> {
+    fn check_order(&self, batch: impl Batch) -> Result<(), MonitorError> {
         let mut newest = self.watch.now;
         let mut ordered = true;
-        for row in rows {
-            ordered &= row.time >= newest;
-            newest = row.time;
+        for time in batch.times(0..batch.len()) {
+            ordered &= time >= newest;
+            newest = time;
         }
-        if ordered { Ok(()) } else { Err(self.disorder(rows)) }
+        if ordered { Ok(()) } else { Err(self.disorder(batch)) }
     }
 
     #[cold]
-    fn disorder(&self, rows: &[Row]) -> MonitorError {
-        let before = std::iter::once(self.watch.now).chain(rows.iter().map(|row| row.time));
-        let mut late =
-            rows.iter().zip(before).zip(1..).filter(|((row, newest), _)| row.time < *newest);
+    fn disorder(&self, batch: impl Batch) -> MonitorError {
+        let times = || batch.times(0..batch.len());
+        let before = std::iter::once(self.watch.now).chain(times());
+        let mut late = times().zip(before).zip(1..).filter(|((time, newest), _)| time < newest);
         let (row, late) = late
             .next()
-            .map_or((0, 0), |((row, newest), number)| (number, newest.saturating_sub(row.time)));
+            .map_or((0, 0), |((time, newest), number)| (number, newest.saturating_sub(time)));
         MonitorError::Order { row, late_s: format!("{:.3}", late as f64 / SECOND as f64) }
     }
 

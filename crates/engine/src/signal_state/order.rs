@@ -1,6 +1,7 @@
 //! Events of one scan have no order: they are sorted canonically, inputs before outputs (the PLC
 //! reads, then writes), then by signal; rows of one signal keep theirs.
 
+use crate::log::{Nanoseconds, SignalIndex};
 use crate::plant::{Plant, SignalClass};
 
 use super::events::Row;
@@ -29,11 +30,14 @@ impl ScanOrder {
         self.rank
     }
 
-    /// True where of two rows in time order the second comes first.
+    /// True where of two rows in time order, each a time and a signal, the second comes first.
     #[inline]
-    pub fn swaps(&self, first: &Row, second: &Row) -> bool {
-        let rank = |row: &Row| self.rank[row.signal as usize];
-        first.time == second.time && rank(second) < rank(first)
+    pub fn swaps(
+        &self,
+        (first, one): (Nanoseconds, SignalIndex),
+        (second, other): (Nanoseconds, SignalIndex),
+    ) -> bool {
+        first == second && self.rank[other as usize] < self.rank[one as usize]
     }
 
     /// Sorts rows of equal time; `rows` is in time order already.

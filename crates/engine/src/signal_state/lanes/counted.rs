@@ -7,7 +7,7 @@ use prefetch_index::prefetch_index;
 use crate::log::Nanoseconds;
 use crate::signal_state::states::StateId;
 
-use super::layout::Checked;
+use super::checked::Checked;
 use super::{INLINE, Lanes, NEVER, Traits};
 
 /// What was seen of one cluster of a rule since the last check.
@@ -32,8 +32,13 @@ pub struct Counters {
 
 impl Lanes {
     /// Fetches what was counted of a rule.
-    pub fn fetch_rule(&self, rule: usize) {
-        prefetch_index(&self.lanes, self.layout.lane_of[rule] as usize);
+    pub fn fetch_checked(&self, checked: Checked) {
+        prefetch_index(&self.lanes, checked.lane as usize);
+    }
+
+    /// True where what was counted of a rule is steady beyond doubt.
+    pub fn is_steady(&self, checked: Checked) -> bool {
+        checked.is_steady(&self.lanes[checked.lane as usize])
     }
 
     /// How often a rule was taken since the last check.
@@ -64,7 +69,7 @@ impl Lanes {
     pub fn reset(&mut self, group: usize) {
         let layout = Arc::clone(&self.layout);
         for checked in layout.checked.get(group).into_iter().flatten() {
-            let at = layout.lane_of[checked.rule()];
+            let at = checked.lane;
             let lane = &mut self.lanes[at as usize];
             // What was not counted is not written.
             if lane.seen != [0; INLINE] {

@@ -6,11 +6,12 @@ use crate::log::{Nanoseconds, SECOND};
 use crate::signal_state::chains::ChainKind;
 use crate::signal_state::model::NominalModel;
 use crate::signal_state::parameters::Timing;
-use crate::signal_state::rules::{Rule, row_of};
+use crate::signal_state::rules::Rule;
 use crate::signal_state::states::{NO_STATE, StateId};
 use crate::timing::TimeCluster;
 use crate::timing::limits::Accepted;
 
+use super::checked::{self, Checked};
 use super::counted::Seen;
 use super::sides::{Side, Sides};
 use super::within::Within;
@@ -32,23 +33,6 @@ pub(super) struct Layout {
     pub(super) checked: Vec<Vec<Checked>>,
 }
 
-/// One rule as the periodic checks come to it: twice its number, and one more where it is the
-/// first of several out of its state.
-#[derive(Debug, Clone, Copy)]
-pub struct Checked(u32);
-
-impl Checked {
-    /// The rule.
-    pub fn rule(self) -> usize {
-        self.0 as usize / 2
-    }
-
-    /// True where it is the first of several out of its state.
-    pub fn branches(self) -> bool {
-        self.0 % 2 == 1
-    }
-}
-
 impl Layout {
     /// The place of the side of a state that is tracked.
     pub(super) fn place(&self, state: StateId) -> Option<usize> {
@@ -65,7 +49,7 @@ impl Lanes {
             rule_of: Vec::new(),
             bands: Vec::new(),
             tracked: tracked(model),
-            checked: checked(model),
+            checked: Vec::new(),
         };
         let mut sides = Sides::new();
         let mut lanes = first_lanes(model);
@@ -115,9 +99,9 @@ impl Lanes {
             lanes,
             states,
             from: from.into(),
-            sides: sides.0.into(),
             more,
-            entered: vec![NEVER; layout.tracked.len() + 1],
+            entered: vec![NEVER; sides.0.len()],
+            sides: sides.0.into(),
             untimed,
             times_groups: model.parameters.timing == Timing::Plat,
             layout: Arc::new(layout),
@@ -127,6 +111,7 @@ impl Lanes {
 
 impl Layout {
     fn finish(&mut self, lanes: usize, model: &NominalModel) {
+        self.checked = checked::of_groups(model, &self.lane_of);
         self.rule_of = vec![NONE; lanes];
         self.bands = vec![0; lanes];
         for (rule, &lane) in self.lane_of.iter().enumerate() {
@@ -187,19 +172,6 @@ fn tracked(model: &NominalModel) -> Vec<StateId> {
     tracked.dedup();
     tracked.shrink_to_fit();
     tracked
-}
-
-/// The rules of each group.
-fn checked(model: &NominalModel) -> Vec<Vec<Checked>> {
-    let mut groups: Vec<Vec<Checked>> = vec![Vec::new(); model.plant.groups.len()];
-    for (index, rule) in model.rules.iter().enumerate() {
-        let row = model.table.row(row_of(rule.current, model.kind(rule.chain)));
-        let first = row.clone().min_by_key(|&other| model.rules[other].sequence);
-        groups[model.chains.group_of(rule.chain)]
-            .push(Checked(2 * index as u32 + u32::from(row.len() > 1 && first == Some(index))));
-    }
-    groups.iter_mut().for_each(Vec::shrink_to_fit);
-    groups
 }
 
 /// The accepted times of a rule's clusters, cut so that they do not overlap.

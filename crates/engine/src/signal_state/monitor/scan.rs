@@ -6,6 +6,7 @@ use crate::signal_state::events::{Meaning, Row, is_image};
 use crate::signal_state::rules::row_of;
 use crate::signal_state::states::{NO_STATE, StateId};
 
+use super::batch::Batch;
 use super::step::Entry;
 use super::watch::Clock;
 use super::{FURTHER_STATES_AT_MOST, Monitor, REORDER_AT_MOST};
@@ -13,22 +14,23 @@ use super::{FURTHER_STATES_AT_MOST, Monitor, REORDER_AT_MOST};
 impl Monitor {
     /// Takes the first of the rows, and those of its scan where that is complete; returns how many.
     #[inline]
-    pub(super) fn take_next(&mut self, rows: &[Row]) -> usize {
-        let row = rows[0];
+    pub(super) fn take_next<B: Batch>(&mut self, batch: B, at: usize) -> usize {
+        let Some(row) = batch.row(at) else { return 1 };
         if self.scan_is_over(row.time) {
             self.complete_scan();
         }
         let watch = &self.watch;
         if watch.pending.is_empty() && watch.started && !watch.resynchronise {
-            let length = self.scan_length(rows);
-            if let Some(last) = rows[..length].last()
-                && last.time < watch.next_deadline
+            let length = self.scan_length(batch, at, row.time);
+            if length > 0
+                && let Some(last) = batch.time(at + length - 1)
+                && last < watch.next_deadline
             {
                 if length == 1 && (row.signal as usize) < self.model.plant.signals.len() {
                     self.take_alone(row);
                 } else {
-                    self.watch.now = last.time;
-                    self.watch.pending.extend_from_slice(&rows[..length]);
+                    self.watch.now = last;
+                    self.watch.pending.extend(batch.rows(at..at + length));
                     self.complete_scan();
                 }
                 return length;
@@ -40,13 +42,13 @@ impl Monitor {
 
     /// Number of rows in the first scan of the rows; zero where they do not show its end.
     #[inline]
-    fn scan_length(&self, rows: &[Row]) -> usize {
+    fn scan_length<B: Batch>(&self, batch: B, at: usize, first: Nanoseconds) -> usize {
         let window = self.model.learned.scan_window;
-        let over = |row: &Row| {
-            let age = row.time.saturating_sub(rows[0].time);
+        let over = |time: Nanoseconds| {
+            let age = time.saturating_sub(first);
             age > 0 && age >= window
         };
-        rows.iter().position(over).unwrap_or_default()
+        batch.times(at..batch.len()).position(over).unwrap_or_default()
     }
 
     /// What [`Self::take`] comes to for a row that is a scan of its own.

@@ -2,211 +2,235 @@
 //! transition, and nothing departs. Nothing is changed before that is certain; whatever is not
 //! usual goes the long way through [`Monitor::take_next`], which comes to the same.
 
+use std::ops::Range;
+
 use crate::log::Nanoseconds;
-use crate::signal_state::chains::{ChainIndex, ChainKind};
-use crate::signal_state::events::Row;
+use crate::signal_state::chains::ChainKind;
 use crate::signal_state::found::Timed;
 use crate::signal_state::lanes::Usual;
-use crate::signal_state::states::StateId;
+use crate::signal_state::order::ScanOrder;
 
 use super::Monitor;
-use super::watch::Here;
+use super::batch::Batch;
+use super::marks::Mark;
+use super::watch::Watch;
 
-/// How many rows before its turn a row's lane is fetched, and what stands beside the lane. The
+/// How many rows ahead of its turn a row's lane is fetched, and what stands beside the lane. The
 /// memory behind a big plant's lanes is the cost of watching it, unless it is asked for in time.
 const FAR: usize = 16;
 const NEAR: usize = 8;
+/// Rows that are marked at once.
+const BLOCK: usize = 1024;
 
 /// What one usual row comes to.
 #[derive(Clone, Copy)]
 struct Step {
-    state: StateId,
-    device: ChainIndex,
-    clock: u32,
+    group: u32,
     of_device: Usual,
     /// Where the group's chain moves too.
-    of_group: Option<(ChainIndex, Usual)>,
+    of_group: Option<Usual>,
 }
 
 impl Monitor {
-    /// Takes rows from one on, as long as all is usual; returns the place of the first not taken.
-    pub(super) fn take_usual_rows(&mut self, rows: &[Row], from: usize) -> usize {
-        if !self.watch.pending.is_empty() || !self.watch.started || self.watch.resynchronise {
-            return from;
-        }
-        let scan = self.model.learned.scan_window.max(1) as u64;
-        let over = |first: &Row, after: &Row| after.time.wrapping_sub(first.time) as u64 >= scan;
-        let mut at = from;
-        // The end of a scan shows in the row after it.
-        while let Some([row, next]) = rows.get(at..at + 2) {
-            self.fetch(rows, at);
-            if over(row, next) {
-                if !self.take_plain(*row) && !self.take_particular(*row) {
-                    break;
+    /// Takes rows in time order, none of them before one already watched.
+    pub(super) fn take_batch<B: Batch>(&mut self, batch: B) {
+        let scan = self.model.learned.scan_window.max(1);
+        let mut marked = std::mem::take(&mut self.marked);
+        let mut at = 0;
+        while at < batch.len() {
+            let block = at..batch.len().min(at + BLOCK);
+            self.marks.mark(batch, at..batch.len().min(block.end + FAR), scan, &mut marked);
+            while at < block.end {
+                let to = self.take_usual_rows(batch, at..block.end, &marked[at - block.start..]);
+                if let Some(time) = batch.time(to.wrapping_sub(1)).filter(|_| to > at) {
+                    self.watch.now = time;
                 }
-                at += 1;
-            } else {
-                let pair = rows.get(at + 2).is_some_and(|after| over(row, after));
-                if !pair || !self.take_pair(*row, *next) {
-                    break;
+                at = to;
+                if at < block.end {
+                    at += self.take_next(batch, at);
                 }
-                self.fetch(rows, at + 1);
-                at += 2;
             }
         }
-        if let Some(last) = rows[from..at].last() {
-            self.watch.now = last.time;
-        }
-        at
+        self.marked = marked;
     }
 
-    /// At the turn of a row, fetches what rows to come will need: the first rows of all, which
-    /// nothing was fetched for, are few.
+    /// Takes rows as long as all is usual; returns the place of the first not taken.
+    fn take_usual_rows<B: Batch>(
+        &mut self,
+        batch: B,
+        range: Range<usize>,
+        marks: &[Mark],
+    ) -> usize {
+        let Range { start, end } = range;
+        if !self.watch.pending.is_empty() || !self.watch.started || self.watch.resynchronise {
+            return start;
+        }
+        let mut at = start;
+        loop {
+            at = self.take_plain_rows(batch, at..end, &marks[at - start..]);
+            if at >= end {
+                return at;
+            }
+            let (mark, after) = (marks[at - start], marks.get(at - start + 1));
+            let Some(time) = batch.time(at) else { return at };
+            let rows = if !mark.shares() {
+                usize::from(self.take_one(mark, time))
+            } else if let Some(&after) = after.filter(|_| self.are_two(batch, at)) {
+                2 * usize::from(self.take_two(batch, at, [mark, after]))
+            } else {
+                0
+            };
+            if rows == 0 {
+                return at;
+            }
+            at += rows;
+        }
+    }
+
+    /// True where a scan is over after the second of its rows.
     #[inline(always)]
-    fn fetch(&self, rows: &[Row], at: usize) {
-        let Some(far) = rows.get(at + FAR) else { return };
-        self.lanes.fetch(boolean_state(far));
-        self.lanes.fetch_side(boolean_state(&rows[at + NEAR]));
+    fn are_two<B: Batch>(&self, batch: B, at: usize) -> bool {
+        let scan = self.model.learned.scan_window.max(1);
+        let times = batch.time(at).zip(batch.time(at + 2));
+        times.is_some_and(|(first, third)| third.wrapping_sub(first) >= scan)
     }
 
-    /// Takes a row that is a scan of its own and a step of its device alone, by the most frequent
-    /// rule into its state; false, and nothing taken, where it is not.
-    #[inline(always)]
-    fn take_plain(&mut self, row: Row) -> bool {
-        let Self { model, lanes, watch, .. } = self;
-        if row.time >= watch.next_deadline {
-            return false;
-        }
-        let Some(change) = watch.values.change(row.signal, row.value) else { return false };
-        let state = 2 * row.signal + row.value as u32;
-        let Some(lane) = lanes.plain(state) else { return false };
-        let here = &mut watch.here[model.chains.device_chain(row.signal)];
-        let Some(clock) = watch.clocks.get_mut(here.clock as usize) else { return false };
-        let Some(since) = lane.since(here.since) else { return false };
-        let took = row.time.wrapping_sub(since);
-        // A time below zero is longer than can be told, or of a scan whose order was mended.
-        if !clock.runs || took < 0 || !lane.take(here.state, row.time, took) {
-            return false;
-        }
-        here.enter(state, row.time);
-        (clock.last, clock.state) = (row.time, state);
-        change.take();
-        true
-    }
-
-    /// Takes any other usual row that is a scan of its own; false, and nothing taken, where it is not.
+    /// Takes plain rows that go by the most frequent rule into their state; returns the place of
+    /// the first that is none or does not.
     #[inline(never)]
-    fn take_particular(&mut self, row: Row) -> bool {
-        let Some(state) = self.usual_state(row) else { return false };
-        let Some(step) = self.usual_step(row, state, self.lanes.last_entry(state)) else {
+    fn take_plain_rows<B: Batch>(
+        &mut self,
+        batch: B,
+        range: Range<usize>,
+        marks: &[Mark],
+    ) -> usize {
+        let mut lanes = self.lanes.first();
+        let Watch { values, here, clocks, next_deadline, .. } = &mut self.watch;
+        let (here, clocks, deadline) = (here.as_mut_slice(), clocks.as_mut_slice(), *next_deadline);
+        for (turn, (at, &mark)) in range.clone().zip(marks).enumerate() {
+            if let Some(far) = marks.get(turn + FAR) {
+                lanes.fetch(far.state());
+                lanes.fetch_side(marks[turn + NEAR].state());
+            }
+            if !mark.is_plain() {
+                return at;
+            }
+            let Some(time) = batch.time(at).filter(|&time| time < deadline) else { return at };
+            let state = mark.state();
+            if !values.changes(state) {
+                return at;
+            }
+            let Some(here) = here.get_mut(mark.device()) else { return at };
+            let Some(clock) = clocks.get_mut(here.clock as usize) else { return at };
+            let took = time.wrapping_sub(here.since);
+            // A time below zero is longer than can be told, or of a scan whose order was mended.
+            if !clock.runs || took < 0 || !lanes.take(state, here.state, time, took) {
+                return at;
+            }
+            values.take_change(state);
+            here.enter(state, time);
+            (clock.last, clock.state) = (time, state);
+        }
+        range.end
+    }
+
+    /// Takes any other usual row that is a scan of its own; false, and nothing taken, where it is
+    /// not.
+    #[inline(never)]
+    fn take_one(&mut self, mark: Mark, time: Nanoseconds) -> bool {
+        let Some(step) = self.usual_step(mark, time, self.lanes.last_entry(mark.state())) else {
             return false;
         };
-        self.lanes.enter(state, row.time);
-        self.take_step(row, step);
+        self.lanes.enter(mark.state(), time);
+        self.take_step(mark, time, step);
         true
     }
 
     /// Two rows of one scan that are steps of different chains; false, and nothing taken, where they
     /// are not.
     #[inline(never)]
-    fn take_pair(&mut self, row: Row, next: Row) -> bool {
-        let (Some(state), Some(other)) = (self.usual_state(row), self.usual_state(next)) else {
-            return false;
-        };
-        let chains = &self.model.chains;
-        let [devices, groups] = [
-            [row, next].map(|row| Some(chains.device_chain(row.signal))),
-            [row, next].map(|row| chains.group_chain(row.signal)),
-        ];
-        if [devices, groups].iter().any(|[one, other]| one.is_some() && one == other) {
+    fn take_two<B: Batch>(&mut self, batch: B, at: usize, [mark, other]: [Mark; 2]) -> bool {
+        let (Some(time), Some(later)) = (batch.time(at), batch.time(at + 1)) else { return false };
+        if mark.device() == other.device() {
             return false;
         }
         // Either may wait for the other: both are entered before either is judged.
-        let before = self.lanes.enter(state, row.time);
-        let before_other = self.lanes.enter(other, next.time);
-        let steps = self.usual_step(row, state, before);
-        let steps = steps.zip(self.usual_step(next, other, before_other));
-        let Some((step, other_step)) = steps else {
-            self.lanes.enter(other, before_other);
-            self.lanes.enter(state, before);
+        let before = self.lanes.enter(mark.state(), time);
+        let before_other = self.lanes.enter(other.state(), later);
+        let step = self.usual_step(mark, time, before);
+        let steps = step.zip(self.usual_step(other, later, before_other));
+        let one_group = |(step, other): &(Step, Step)| {
+            step.group == other.group && step.of_group.is_some() && other.of_group.is_some()
+        };
+        let Some((step, other_step)) = steps.filter(|steps| !one_group(steps)) else {
+            self.lanes.enter(other.state(), before_other);
+            self.lanes.enter(mark.state(), before);
             return false;
         };
         // Their group remembers the last.
-        let swapped = self.order.as_ref().is_some_and(|order| order.swaps(&row, &next));
-        let (first, second) = ((row, step), (next, other_step));
-        for (row, step) in if swapped { [second, first] } else { [first, second] } {
-            self.take_step(row, step);
+        let swaps =
+            |order: &ScanOrder| order.swaps((time, mark.state() / 2), (later, other.state() / 2));
+        if self.order.as_ref().is_some_and(swaps) {
+            self.take_step(other, later, other_step);
+            self.take_step(mark, time, step);
+        } else {
+            self.take_step(mark, time, step);
+            self.take_step(other, later, other_step);
         }
         true
     }
 
-    /// The state that a boolean's change leads to; `None` where a row is none, or something else
-    /// is due before it.
+    /// What a row comes to whose state was entered before at `before`; `None` where anything about
+    /// it is not usual, or something else is due before it.
     #[inline(always)]
-    fn usual_state(&mut self, row: Row) -> Option<StateId> {
-        let watch = &mut self.watch;
-        if row.time >= watch.next_deadline {
+    fn usual_step(&self, mark: Mark, time: Nanoseconds, before: Nanoseconds) -> Option<Step> {
+        let Self { model, lanes, watch, .. } = self;
+        let state = mark.state();
+        let stands = *watch.here.get(mark.device())?;
+        let group = stands.clock;
+        let clock = watch.clocks.get(group as usize)?;
+        if mark.is_odd()
+            || !clock.runs
+            || time >= watch.next_deadline
+            || !watch.values.changes(state)
+        {
             return None;
         }
-        watch.values.change(row.signal, row.value)?;
-        Some(2 * row.signal + row.value as u32)
-    }
-
-    /// What a row comes to that leads to `state`, entered before at `before`; `None` where anything
-    /// about it is not usual.
-    #[inline(always)]
-    fn usual_step(&self, row: Row, state: StateId, before: Nanoseconds) -> Option<Step> {
-        let device = self.model.chains.device_chain(row.signal);
-        let here = self.watch.here[device];
-        let (lane, since) = self.known(here, ChainKind::Device, state)?;
-        let waits = self.lanes.waits(lane);
-        let since = if waits { self.lanes.due(lane, before, since)? } else { since };
-        let of_device = self.lanes.usual(lane, Timed::new(since, row.time, true).took)?;
-        let of_group = if self.lanes.starts(state) {
-            let group = here.clock as usize;
+        let lane = lanes.find(ChainKind::Device, stands.state, state)?;
+        let waits = lanes.waits(lane);
+        let since = if waits { lanes.due(lane, before, stands.since)? } else { stands.since };
+        let of_device = lanes.usual(lane, Timed::new(since, time, true).took)?;
+        let of_group = if mark.starts() {
             // The return to the first state closes a cycle.
-            if state == self.model.learned.group_start[group] {
+            if state == model.learned.group_start[group as usize] {
                 return None;
             }
-            let chain = self.model.chains.chain_of_group(group);
-            let (lane, since) = self.known(self.watch.here[chain], ChainKind::Group, state)?;
-            let took = Timed::new(since, row.time, true).took;
-            Some((chain, self.lanes.usual_of_group(lane, took)?))
+            let there = watch.here[model.chains.chain_of_group(group as usize)];
+            if there.off_path() {
+                return None;
+            }
+            let lane = lanes.find(ChainKind::Group, there.state, state)?;
+            Some(lanes.usual_of_group(lane, Timed::new(there.since, time, true).took)?)
         } else {
             None
         };
-        Some(Step { state, device, clock: here.clock, of_device, of_group })
-    }
-
-    /// The lane of a chain's known transition to a state, and since when the chain stood where it
-    /// stands; `None` off the path, and where its group's clock does not run.
-    #[inline(always)]
-    fn known(&self, here: Here, kind: ChainKind, state: StateId) -> Option<(usize, Nanoseconds)> {
-        self.watch.clocks.get(here.clock as usize).filter(|clock| clock.runs)?;
-        Some((self.lanes.find(kind, here.state, state)?, here.since))
+        Some(Step { group, of_device, of_group })
     }
 
     /// Takes a row whose state has been entered.
     #[inline(always)]
-    fn take_step(&mut self, row: Row, step: Step) {
+    fn take_step(&mut self, mark: Mark, time: Nanoseconds, step: Step) {
+        let (state, group) = (mark.state(), step.group as usize);
         self.lanes.take(step.of_device);
         let watch = &mut self.watch;
-        if let Some(change) = watch.values.change(row.signal, row.value) {
-            change.take();
-        }
-        watch.here[step.device].enter(step.state, row.time);
-        if let Some((chain, of_group)) = step.of_group {
+        watch.values.take_change(state);
+        watch.here[mark.device()].enter(state, time);
+        if let Some(of_group) = step.of_group {
             self.lanes.take(of_group);
-            watch.here[chain].enter(step.state, row.time);
+            watch.here[self.model.chains.chain_of_group(group)].enter(state, time);
         }
         // Its clock runs already, and what it is to stall by is not earlier than it was.
-        let clock = &mut watch.clocks[step.clock as usize];
-        (clock.last, clock.state) = (row.time, step.state);
+        let clock = &mut watch.clocks[group];
+        (clock.last, clock.state) = (time, state);
     }
-}
-
-/// The state a row of a boolean leads to; the few words come as they come.
-#[inline(always)]
-fn boolean_state(row: &Row) -> usize {
-    2 * row.signal as usize + (row.value & 1) as usize
 }
