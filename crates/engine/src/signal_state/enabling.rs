@@ -103,6 +103,16 @@ const STEADY_AT_MOST_S: f64 = 1.0;
 /// Share of each tail of delays that may be outliers.
 const OUTLIERS: f64 = 0.01;
 
+/// States that explain when a transition happens, and its delays from the later of them, sorted, in
+/// seconds.
+#[derive(Debug)]
+pub struct Delayed {
+    /// The enabling state, and the other one of a join.
+    pub states: [StateId; 2],
+    /// One at least.
+    pub delays: Vec<f64>,
+}
+
 /// How well it is known what a transition waits for.
 #[derive(Debug)]
 pub struct Explanation {
@@ -148,29 +158,12 @@ impl Explanation {
         }
     }
 
-    /// By a trigger instead, of the instances of a transition into `next`.
-    pub fn or_waits_for(
-        self,
-        trigger: Trigger,
-        index: Happenings<'_>,
-        instances: &[Entry],
-        next: StateId,
-    ) -> Self {
-        let mut delays: Vec<f64> =
-            trigger.delays(index, instances, next).into_iter().flatten().collect();
-        if delays.is_empty() {
-            return self;
-        }
-        delays.sort_unstable_by(f64::total_cmp);
-        let by_trigger = Self::of(&delays, Some(self.own_s), index.resolution_s);
-        Self { trigger: Some(trigger), ..by_trigger }
-    }
-
-    /// By what the transition waits for instead, and the sorted delays from there.
-    fn or_by(self, states: [StateId; 2], delays: &[f64], resolution_s: f64) -> Self {
-        let clusters = optimal::cluster(delays, resolution_s).into();
+    /// By what the transition waits for instead.
+    pub fn or_waits_for(self, found: Delayed, resolution_s: f64) -> Self {
+        let Delayed { states, delays } = found;
+        let clusters = optimal::cluster(&delays, resolution_s).into();
         let trigger = Some(Trigger { states, clusters });
-        Self { trigger, ..Self::of(delays, Some(self.own_s), resolution_s) }
+        Self { trigger, ..Self::of(&delays, Some(self.own_s), resolution_s) }
     }
 }
 
@@ -205,19 +198,19 @@ impl Search {
             return by_itself;
         }
         match self.trigger(index, instances, own_s, states) {
-            Some((delays, states)) => by_itself.or_by(states, &delays, index.resolution_s),
+            Some(found) => by_itself.or_waits_for(found, index.resolution_s),
             None => by_itself,
         }
     }
 
-    /// The states that explain a transition best, and the sorted delays from there.
+    /// The states that explain a transition best.
     fn trigger(
         &mut self,
         index: Happenings<'_>,
         instances: &[Entry],
         own_spread: f64,
         (current, next): (StateId, StateId),
-    ) -> Option<(Vec<f64>, [StateId; 2])> {
+    ) -> Option<Delayed> {
         let tight = TIGHT_RESOLUTIONS * index.resolution_s;
         let steady = (own_spread / 8.0).clamp(tight, STEADY_AT_MOST_S.max(tight));
         let close = 2.0 * tight;
@@ -249,7 +242,7 @@ impl Search {
             })?;
         let (_, delays, states) = best;
         let joined = partner::found(&mut self.ballot, index, &election, &waits, states);
-        Some(joined.unwrap_or((delays, states)))
+        Some(joined.unwrap_or(Delayed { states, delays }))
     }
 }
 

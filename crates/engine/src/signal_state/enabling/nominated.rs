@@ -1,9 +1,8 @@
 //! What others have named as a trigger, held against what was found.
 
 use crate::signal_state::states::StateId;
-use crate::timing::optimal;
 
-use super::{Entry, GAIN, Happenings, INSTANCES_AT_LEAST, TIGHT_RESOLUTIONS, Trigger};
+use super::{Delayed, Entry, GAIN, Happenings, INSTANCES_AT_LEAST, TIGHT_RESOLUTIONS};
 use super::{delays, residual_spread};
 
 /// The pair from whose later one a transition into `next` is explained best, where that is as far
@@ -14,7 +13,7 @@ pub fn better(
     next: StateId,
     has: [StateId; 2],
     pairs: &[[StateId; 2]],
-) -> Option<Trigger> {
+) -> Option<Delayed> {
     if pairs.is_empty() || instances.len() < INSTANCES_AT_LEAST {
         return None;
     }
@@ -30,6 +29,5 @@ pub fn better(
         (spread <= GAIN * own_spread).then_some((spread, delays, states))
     });
     let (_, delays, states) = explained.min_by(|a, b| a.0.total_cmp(&b.0))?;
-    let clusters = optimal::cluster(&delays, index.resolution_s).into();
-    Some(Trigger { states, clusters })
+    Some(Delayed { states, delays })
 }

@@ -8,7 +8,7 @@ use crate::signal_state::states::{NO_STATE, StateId};
 use super::ballot::Ballot;
 use super::delays::{self, Wait};
 use super::election::Election;
-use super::{Entry, FINALISTS, GAIN, Happenings, window};
+use super::{Delayed, Entry, FINALISTS, GAIN, Happenings, window};
 
 /// So many instances must be left, and the partner must explain this share of them.
 const LEFT_AT_LEAST: usize = 3;
@@ -16,14 +16,14 @@ pub(super) const LEFT_EXPLAINED: f64 = 0.6;
 /// Windows of the two, in close widths.
 const WIDTHS: f64 = 1.5;
 
-/// Sorted delays from the later of the trigger and its partner, and the two.
+/// The trigger and its partner.
 pub(super) fn found(
     ballot: &mut Ballot,
     index: Happenings<'_>,
     election: &Election<'_>,
     waits: &[Wait],
     [one, other]: [StateId; 2],
-) -> Option<(Vec<f64>, [StateId; 2])> {
+) -> Option<Delayed> {
     if other != NO_STATE {
         return None;
     }
@@ -62,7 +62,7 @@ pub(super) fn found(
         fewer.then_some((still_left, delays, states))
     });
     let best = joined.min_by_key(|(still_left, ..)| *still_left);
-    best.map(|(_, delays, states)| (delays, states))
+    best.map(|(_, delays, states)| Delayed { states, delays })
 }
 
 /// Ends of the window of this width that holds most of the sorted times.

@@ -10,11 +10,11 @@ use std::collections::BTreeMap;
 
 use crate::log::{Nanoseconds, SECOND};
 use crate::signal_state::states::{NO_STATE, StateId};
-use crate::timing::{TimeCluster, optimal};
+use crate::timing::TimeCluster;
 
 use super::delays::{self, Wait};
 use super::partner::LEFT_EXPLAINED;
-use super::{EXPLAINED, Entry, Happenings, INSTANCES_AT_LEAST, Trigger};
+use super::{Delayed, EXPLAINED, Entry, Happenings, INSTANCES_AT_LEAST, Trigger};
 
 /// The usual time holds at least this share of the instances.
 const USUAL: f64 = 2.0 / 3.0;
@@ -132,7 +132,7 @@ impl<'a> Usual<'a> {
     }
 
     /// The trigger with a partner that explains most of the odd instances.
-    pub fn partner(&self) -> Option<Trigger> {
+    pub fn partner(&self) -> Option<Delayed> {
         let mut met = self.met_by_odd();
         let enough = (LEFT_EXPLAINED * self.odd.len() as f64).ceil() as usize;
         met.retain(|_, times| *times >= enough.max(1));
@@ -228,12 +228,11 @@ impl<'a> Usual<'a> {
     }
 
     /// The trigger with a partner.
-    pub fn with(&self, joined: Joined) -> Trigger {
+    pub fn with(&self, joined: Joined) -> Delayed {
         let mut delays = joined.delays;
         delays.retain(|delay| delay.is_finite());
         delays.sort_unstable_by(f64::total_cmp);
-        let clusters = optimal::cluster(&delays, self.index.resolution_s).into();
-        Trigger { states: [self.trigger, joined.partner], clusters }
+        Delayed { states: [self.trigger, joined.partner], delays }
     }
 }
 

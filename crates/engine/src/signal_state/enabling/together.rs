@@ -14,7 +14,7 @@ use crate::signal_state::states::{NO_STATE, StateId, States};
 use super::delays::{self, Wait};
 use super::election::LOOK_BACK;
 use super::{
-    EXPLAINED, Entry, Explanation, GAIN, Happenings, INSTANCES_AT_LEAST, SCREENERS,
+    Delayed, EXPLAINED, Entry, Explanation, GAIN, Happenings, INSTANCES_AT_LEAST, SCREENERS,
     TIGHT_RESOLUTIONS, is_tight,
 };
 
@@ -85,8 +85,8 @@ impl Together<'_> {
             if let Some(cause) = causes.into_iter().find(free) {
                 let explanation = &mut *timed[at].explanation;
                 let first = std::mem::replace(explanation, Explanation::NONE);
-                let states = [cause.state, NO_STATE];
-                *explanation = first.or_by(states, &cause.delays, self.index.resolution_s);
+                let found = Delayed { states: [cause.state, NO_STATE], delays: cause.delays };
+                *explanation = first.or_waits_for(found, self.index.resolution_s);
                 changed.push(at);
             }
         }

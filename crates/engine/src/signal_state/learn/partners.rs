@@ -7,7 +7,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::plant::Plant;
-use crate::signal_state::enabling::{self, Happenings, Joined, Trigger, Usual, has_odd};
+use crate::signal_state::enabling::{self, Delayed, Happenings, Joined, Usual, has_odd};
 use crate::signal_state::states::{NO_STATE, StateId, States};
 
 use super::instances::{Instances, OfRule};
@@ -48,7 +48,7 @@ struct Offer {
     /// So many sisters have it.
     have: usize,
     state: StateId,
-    trigger: Trigger,
+    delayed: Delayed,
 }
 
 /// Gives transitions what their sisters wait for: `times` are those of `rules`.
@@ -78,8 +78,8 @@ pub(super) fn take_over(group: &Group<'_>, rules: &[usize], times: &mut [Times])
             table.give(shown, place, &mut times[place]);
             false
         });
-        for (place, trigger) in table.offered(&known, &open, times) {
-            table.give(trigger, place, &mut times[place]);
+        for (place, delayed) in table.offered(&known, &open, times) {
+            table.give(delayed, place, &mut times[place]);
         }
     }
 }
@@ -130,10 +130,10 @@ impl<'a> Table<'a> {
         &self.group.walk.rules[self.rules[place]]
     }
 
-    /// Lets a transition wait for a trigger.
-    fn give(&self, trigger: Trigger, place: usize, times: &mut Times) {
+    /// Lets a transition wait for something else than was found.
+    fn give(&self, delayed: Delayed, place: usize, times: &mut Times) {
         let of_rule = (self.found(place), self.instances(place));
-        times.wait_for(trigger, of_rule, (self.group.happenings, &self.group.walk.first_steps));
+        times.wait_for(delayed, of_rule, (self.group.happenings, &self.group.walk.first_steps));
     }
 
     /// The families of those that have a join.
@@ -173,7 +173,7 @@ impl<'a> Table<'a> {
     }
 
     /// The join of sisters that explains a transition far better than what was found for it.
-    fn better(&self, known: &Known, place: usize, times: &Times) -> Option<Trigger> {
+    fn better(&self, known: &Known, place: usize, times: &Times) -> Option<Delayed> {
         let found = self.found(place);
         let has = waits_for(found, times);
         let own = self.kinship.own(found);
@@ -195,7 +195,7 @@ impl<'a> Table<'a> {
     }
 
     /// The partner of some sister that odd instances of a transition show.
-    fn shown(&self, known: &Known, place: usize, times: &Times) -> Option<Trigger> {
+    fn shown(&self, known: &Known, place: usize, times: &Times) -> Option<Delayed> {
         if !has_odd(times.judged(), self.group.happenings.resolution_s) {
             return None;
         }
@@ -211,7 +211,7 @@ impl<'a> Table<'a> {
     }
 
     /// Partners that enough sisters have, for those of the `open` transitions that show nothing.
-    fn offered(&self, known: &Known, open: &[usize], times: &[Times]) -> Vec<(usize, Trigger)> {
+    fn offered(&self, known: &Known, open: &[usize], times: &[Times]) -> Vec<(usize, Delayed)> {
         let mut offers = BTreeMap::<usize, Vec<Offer>>::new();
         for (pair, &have) in &known.pairs {
             let is_common = |strangers: usize| {
@@ -232,7 +232,7 @@ impl<'a> Table<'a> {
                 if !joined.is_sound() {
                     strangers += 1;
                 } else if joined.alternates {
-                    fit.push((place, Offer { have, state, trigger: usual.with(joined) }));
+                    fit.push((place, Offer { have, state, delayed: usual.with(joined) }));
                 }
             }
             if is_common(strangers) {
@@ -247,7 +247,7 @@ impl<'a> Table<'a> {
             // Of two that as many have, neither is known.
             of_one.dedup_by_key(|offer| offer.state);
             let only = of_one.pop().filter(|_| of_one.is_empty())?;
-            Some((place, only.trigger))
+            Some((place, only.delayed))
         };
         offers.into_iter().filter_map(clearest).collect()
     }

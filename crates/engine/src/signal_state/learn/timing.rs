@@ -3,7 +3,7 @@
 use crate::log::{Nanoseconds, SECOND};
 use crate::signal_state::dispersion;
 use crate::signal_state::enabling::{
-    Entry, Explanation, Happenings, Search, Trigger, Usual, has_odd,
+    Delayed, Entry, Explanation, Happenings, Search, Usual, has_odd,
 };
 use crate::signal_state::parameters::{Parameters, Timing};
 use crate::timing::csk_means::CskMeans;
@@ -27,18 +27,16 @@ impl Times {
         self.explanation.trigger.as_ref().map_or(&self.clusters, |trigger| &trigger.clusters)
     }
 
-    /// Lets it wait for a trigger instead of what was found.
+    /// Lets it wait for something else than was found.
     pub(super) fn wait_for(
         &mut self,
-        trigger: Trigger,
+        delayed: Delayed,
         (rule, instances): (&Found, OfRule<'_>),
         (happenings, first_steps): (Happenings<'_>, &[u32]),
     ) {
-        if let OfRule::Device(entries) = instances {
-            let found = std::mem::replace(&mut self.explanation, Explanation::NONE);
-            self.explanation = found.or_waits_for(trigger, happenings, entries, rule.next);
-            self.count_odd_starts((rule, instances), (happenings, first_steps));
-        }
+        let found = std::mem::replace(&mut self.explanation, Explanation::NONE);
+        self.explanation = found.or_waits_for(delayed, happenings.resolution_s);
+        self.count_odd_starts((rule, instances), (happenings, first_steps));
     }
 
     /// Counts the first steps that took a time that is not usual, of those they are judged by.
@@ -104,7 +102,7 @@ impl Study<'_> {
                 let usual = has_odd(judged, happenings.resolution_s)
                     .then(|| Usual::of(happenings, entries, way, trigger, judged));
                 match usual.flatten().and_then(|usual| usual.partner()) {
-                    Some(joined) => found.or_waits_for(joined, happenings, entries, rule.next),
+                    Some(joined) => found.or_waits_for(joined, happenings.resolution_s),
                     None => found,
                 }
             }
