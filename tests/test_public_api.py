@@ -171,7 +171,7 @@ def test_a_table_is_read_learned_and_watched_like_a_log() -> None:
 
 def test_what_is_no_table_is_refused() -> None:
     for take in (runglight.Log.from_arrow, runglight.read_log):
-        with pytest.raises(runglight.InputError, match="a list is no Arrow table"):
+        with pytest.raises(runglight.InputError, match="of type list is no Arrow table"):
             take([1, 2, 3])
 
 

@@ -85,7 +85,7 @@ def test_a_sweep_gives_reasons() -> None:
         ({"view": "up"}, "there is no view 'up'"),
         ({"label": "x"}, "give its path"),
         ({"events": [datetime(2024, 1, 2)]}, "has no time zone"),
-        ({"log": [1, 2]}, "a list is no Arrow table"),
+        ({"log": [1, 2]}, "of type list is no Arrow table"),
     ],
 )
 def test_what_cannot_be_done_is_one_sentence(arguments: dict[str, object], sentence: str) -> None:

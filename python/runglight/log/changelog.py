@@ -220,8 +220,8 @@ def arrow_table(table: Any) -> Any:
     """The table itself. InputError where it does not speak Arrow."""
     if not hasattr(table, "__arrow_c_stream__"):
         raise InputError(
-            f"a {type(table).__name__} is no Arrow table: pass a pyarrow or polars table, "
-            "or a pandas (2.2 or newer) data frame"
+            f"what is of type {type(table).__name__} is no Arrow table: pass a pyarrow or polars "
+            "table, a pandas (2.2 or newer) data frame, or what read_log makes of a file's path"
         )
     return table
 
