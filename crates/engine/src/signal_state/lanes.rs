@@ -185,6 +185,14 @@ impl First<'_> {
         }
         true
     }
+
+    /// Since when the transition of a state's first lane was due, of a device that stands where it
+    /// stands since `own`; `None` where it waits for what has not happened afresh.
+    #[inline(always)]
+    pub fn due(&self, state: StateId, own: Nanoseconds) -> Option<Nanoseconds> {
+        let place = self.lanes.get(state as usize)?.place_of_side();
+        self.sides.get(place)?.due(self.entered, *self.entered.get(place)?, own)
+    }
 }
 
 impl Lanes {

@@ -26,11 +26,16 @@ impl Mark {
     /// The most frequent transition into its state waits for another event.
     const WAITS: u64 = 1 << 63;
 
-    /// True where nothing is particular about it: a scan of its own, and a step of its device alone
-    /// that waits for nothing.
+    /// True for a scan of its own that is a step of its device alone.
     #[inline(always)]
     pub(super) fn is_plain(self) -> bool {
-        self.0 < Self::SHARES
+        self.0 & !Self::WAITS < Self::SHARES
+    }
+
+    /// True where the most frequent transition into its state waits for another event.
+    #[inline(always)]
+    pub(super) fn waits(self) -> bool {
+        self.0 & Self::WAITS != 0
     }
 
     /// True where the row after it is of the same scan, or not known yet.

@@ -122,7 +122,9 @@ impl Monitor {
             }
             let Some(here) = here.get_mut(mark.device()) else { return at };
             let Some(clock) = clocks.get_mut(here.clock as usize) else { return at };
-            let took = time.wrapping_sub(here.since);
+            let since = if mark.waits() { lanes.due(state, here.since) } else { Some(here.since) };
+            let Some(since) = since else { return at };
+            let took = time.wrapping_sub(since);
             // A time below zero is longer than can be told, or of a scan whose order was mended.
             if !clock.runs || took < 0 || !lanes.take(state, here.state, time, took) {
                 return at;
