@@ -119,7 +119,8 @@ pub struct Lanes {
     /// Bands that are in no lane.
     more: Vec<Band>,
     /// When states were entered, by the places of their sides. Those of which something must know
-    /// come first; all that have no side share the very first, which nothing reads.
+    /// come first; all that have no side share the very first, which nothing reads. Others have a
+    /// place, too, so that no row asks whether its state has one.
     entered: Vec<Nanoseconds>,
     /// By lane: how often it was taken at a time that means nothing, since the last check.
     untimed: Vec<u32>,
@@ -173,6 +174,7 @@ impl First<'_> {
         took: Nanoseconds,
     ) -> bool {
         let Some(lane) = self.lanes.get_mut(state as usize) else { return false };
+        // As in [`Lane::band`], and no branch for which of the two it is either.
         let [first, second] = lane.within.map(|within| within.holds(took));
         if !(first | second) | (lane.current != current) {
             return false;
