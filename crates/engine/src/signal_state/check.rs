@@ -40,8 +40,8 @@ pub struct Departure {
 /// Fewer observations than this in a window prove nothing in `adaptive`.
 const OBSERVATIONS_AT_LEAST: u32 = 5;
 
-/// Rules before their turn whose times are fetched, and twice as many before it what leads there: a
-/// rule seldom asked for has them out of the processor's sight.
+/// Rules before their turn whose times are fetched; twice as many before it what leads there, and
+/// twice as many again the rules: seldom asked for, they are out of the processor's sight.
 const AHEAD: usize = 8;
 
 /// All departures of a group, causes first.
@@ -62,10 +62,7 @@ pub fn departures(model: &NominalModel, group: usize, lanes: &Lanes) -> Vec<Depa
         if lanes.count(rule) == 0 {
             continue;
         }
-        // `adaptive` does not time a group's chain.
-        let timed = model.parameters.timing == Timing::Plat
-            || model.chains.kind(model.rules[rule].chain) == ChainKind::Device;
-        if timed {
+        if model.times(model.kind(model.rules[rule].chain)) {
             let of_rule = [times(model, rule, lanes), average(model, rule, lanes)];
             found.extend(of_rule.into_iter().flatten().map(|departure| (sequence, departure)));
         }

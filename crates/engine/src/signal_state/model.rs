@@ -228,8 +228,7 @@ impl NominalModel {
         let rule = &self.rules[rule];
         match self.parameters.timing {
             Timing::Plat => limits::plat(&rule.clusters, self.parameters.allowance_s),
-            // A group's chain repeats what its devices' chains say more sharply.
-            Timing::Adaptive if self.kind(rule.chain) == ChainKind::Group => Vec::new(),
+            Timing::Adaptive if !self.times(self.kind(rule.chain)) => Vec::new(),
             Timing::Adaptive => {
                 let resolution_s = self.learned.resolution as f64 / SECOND as f64;
                 let judgement = self.judgement();
@@ -266,6 +265,12 @@ impl NominalModel {
             return Lanes::of(self);
         }
         self.lanes.get_or_init(|| Lanes::of(self)).clone()
+    }
+
+    /// True where times mean something in chains of a kind: for `adaptive`, a group's repeats what
+    /// its devices' say more sharply.
+    pub fn times(&self, kind: ChainKind) -> bool {
+        self.parameters.timing == Timing::Plat || kind == ChainKind::Device
     }
 
     /// By how much more, in seconds, the average of a cluster must change to mean anything.

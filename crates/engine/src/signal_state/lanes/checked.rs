@@ -2,9 +2,7 @@
 //! steady by a glance at their lanes, without a look into the model.
 
 use crate::log::SECOND;
-use crate::signal_state::chains::ChainKind;
 use crate::signal_state::model::NominalModel;
-use crate::signal_state::parameters::Timing;
 use crate::signal_state::rules::row_of;
 
 use super::Lane;
@@ -14,7 +12,6 @@ use super::Lane;
 pub struct Checked {
     /// Twice its number, and one more where it is the first of several out of its state.
     rule: u32,
-    pub(super) lane: u32,
     /// Its average time, in seconds.
     average_s: f32,
     /// An average that differs from it by no more is steady, and with it the rule; below zero where
@@ -51,8 +48,8 @@ impl Checked {
     }
 }
 
-/// The rules of each group, in the model's order; `lane_of` is by rule.
-pub(super) fn of_groups(model: &NominalModel, lane_of: &[u32]) -> Vec<Vec<Checked>> {
+/// The rules of each group, in the model's order.
+pub(super) fn of_groups(model: &NominalModel) -> Vec<Vec<Checked>> {
     let mut groups: Vec<Vec<Checked>> = vec![Vec::new(); model.plant.groups.len()];
     for (index, rule) in model.rules.iter().enumerate() {
         let row = model.table.row(row_of(rule.current, model.kind(rule.chain)));
@@ -61,7 +58,6 @@ pub(super) fn of_groups(model: &NominalModel, lane_of: &[u32]) -> Vec<Vec<Checke
         let (average_s, steady_s) = if branches { (0.0, -1.0) } else { steady(model, index) };
         groups[model.chains.group_of(rule.chain)].push(Checked {
             rule: 2 * index as u32 + u32::from(branches),
-            lane: lane_of[index],
             average_s,
             steady_s,
         });
@@ -73,11 +69,9 @@ pub(super) fn of_groups(model: &NominalModel, lane_of: &[u32]) -> Vec<Vec<Checke
 /// The average time of a rule that is no first of several, and by how much it may differ.
 fn steady(model: &NominalModel, rule: usize) -> (f32, f32) {
     let rule = &model.rules[rule];
-    let timed =
-        model.parameters.timing == Timing::Plat || model.kind(rule.chain) == ChainKind::Device;
     match rule.judged() {
-        _ if !timed => (0.0, f32::MAX),
         [] => (0.0, f32::MAX),
+        _ if !model.times(model.kind(rule.chain)) => (0.0, f32::MAX),
         [only] => {
             let sure = model.significant_change_s(only) - SURE * only.average_s;
             (only.average_s as f32, if sure > 0.0 { sure as f32 } else { -1.0 })

@@ -33,12 +33,12 @@ pub struct Counters {
 impl Lanes {
     /// Fetches what was counted of a rule.
     pub fn fetch_checked(&self, checked: Checked) {
-        prefetch_index(&self.lanes, checked.lane as usize);
+        prefetch_index(&self.lanes, self.layout.lane_of[checked.rule()] as usize);
     }
 
     /// True where what was counted of a rule is steady beyond doubt.
     pub fn is_steady(&self, checked: Checked) -> bool {
-        checked.is_steady(&self.lanes[checked.lane as usize])
+        checked.is_steady(&self.lanes[self.layout.lane_of[checked.rule()] as usize])
     }
 
     /// How often a rule was taken since the last check.
@@ -69,7 +69,7 @@ impl Lanes {
     pub fn reset(&mut self, group: usize) {
         let layout = Arc::clone(&self.layout);
         for checked in layout.checked.get(group).into_iter().flatten() {
-            let at = checked.lane;
+            let at = layout.lane_of[checked.rule()];
             let lane = &mut self.lanes[at as usize];
             // What was not counted is not written.
             if lane.seen != [0; INLINE] {

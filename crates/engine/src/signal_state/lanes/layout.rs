@@ -49,7 +49,7 @@ impl Lanes {
             rule_of: Vec::new(),
             bands: Vec::new(),
             tracked: tracked(model),
-            checked: Vec::new(),
+            checked: checked::of_groups(model),
         };
         let mut sides = Sides::new();
         let mut lanes = first_lanes(model);
@@ -103,7 +103,7 @@ impl Lanes {
             entered: vec![NEVER; sides.0.len()],
             sides: sides.0.into(),
             untimed,
-            times_groups: model.parameters.timing == Timing::Plat,
+            times_groups: model.times(ChainKind::Group),
             layout: Arc::new(layout),
         }
     }
@@ -111,7 +111,6 @@ impl Lanes {
 
 impl Layout {
     fn finish(&mut self, lanes: usize, model: &NominalModel) {
-        self.checked = checked::of_groups(model, &self.lane_of);
         self.rule_of = vec![NONE; lanes];
         self.bands = vec![0; lanes];
         for (rule, &lane) in self.lane_of.iter().enumerate() {

@@ -43,11 +43,7 @@ impl Monitor {
     /// Number of rows in the first scan of the rows; zero where they do not show its end.
     #[inline]
     fn scan_length<B: Batch>(&self, batch: B, at: usize, first: Nanoseconds) -> usize {
-        let window = self.model.learned.scan_window;
-        let over = |time: Nanoseconds| {
-            let age = time.saturating_sub(first);
-            age > 0 && age >= window
-        };
+        let over = |time| self.is_over(first, time);
         batch.times(at..batch.len()).position(over).unwrap_or_default()
     }
 
@@ -78,11 +74,19 @@ impl Monitor {
     }
 
     pub(super) fn scan_is_over(&self, time: Nanoseconds) -> bool {
-        let window = self.model.learned.scan_window;
-        self.watch.pending.first().is_some_and(|first| {
-            let age = time.saturating_sub(first.time);
-            age > 0 && age >= window
-        })
+        self.watch.pending.first().is_some_and(|first| self.is_over(first.time, time))
+    }
+
+    /// True where a scan whose first row is of one time is over at another.
+    #[inline(always)]
+    pub(super) fn is_over(&self, first: Nanoseconds, time: Nanoseconds) -> bool {
+        time.saturating_sub(first) >= self.shortest_scan()
+    }
+
+    /// How long after the first row of a scan a row is of another.
+    #[inline(always)]
+    pub(super) fn shortest_scan(&self) -> Nanoseconds {
+        self.model.learned.scan_window.max(1)
     }
 
     /// Processes the rows of the running scan.

@@ -34,7 +34,7 @@ struct Step {
 impl Monitor {
     /// Takes rows in time order, none of them before one already watched.
     pub(super) fn take_batch<B: Batch>(&mut self, batch: B) {
-        let scan = self.model.learned.scan_window.max(1);
+        let scan = self.shortest_scan();
         let mut marked = std::mem::take(&mut self.marked);
         let mut at = 0;
         while at < batch.len() {
@@ -90,9 +90,8 @@ impl Monitor {
     /// True where a scan is over after the second of its rows.
     #[inline(always)]
     fn are_two<B: Batch>(&self, batch: B, at: usize) -> bool {
-        let scan = self.model.learned.scan_window.max(1);
         let times = batch.time(at).zip(batch.time(at + 2));
-        times.is_some_and(|(first, third)| third.wrapping_sub(first) >= scan)
+        times.is_some_and(|(first, third)| self.is_over(first, third))
     }
 
     /// Takes plain rows that go by the most frequent rule into their state; returns the place of
