@@ -7,15 +7,13 @@
 //! explains it: the standardised difference, with the dispersion learned for that very share or
 //! mean, must be as rare as the budget demands.
 
-use prefetch_index::prefetch_index;
-
 use crate::finding::Kind;
 use crate::log::SECOND;
 use crate::timing::TimeCluster;
 use crate::timing::limits::BODY_INSTANCES;
 
 use super::chains::ChainKind;
-use super::lanes::{Checked, Lanes, Seen};
+use super::lanes::{Lanes, Seen};
 use super::model::NominalModel;
 use super::parameters::Timing;
 use super::rules::row_of;
@@ -40,57 +38,35 @@ pub struct Departure {
 /// Fewer observations than this in a window prove nothing in `adaptive`.
 const OBSERVATIONS_AT_LEAST: u32 = 5;
 
-/// Rules before their turn whose times are fetched; twice as many before it what leads there, and
-/// twice as many again the rules: seldom asked for, they are out of the processor's sight.
-const AHEAD: usize = 8;
+/// Rules before their turn of which is fetched what was counted, and what of that is not in their
+/// lanes.
+const FAR: usize = 16;
+const NEAR: usize = 8;
 
 /// All departures of a group, causes first.
 pub fn departures(model: &NominalModel, group: usize, lanes: &Lanes) -> Vec<Departure> {
     let mut found: Vec<(u32, Departure)> = Vec::new();
     // Rules lie side by side as their lanes do; only what is found is put in order.
-    let all = lanes.checked(group);
-    for (place, checked) in all.iter().enumerate() {
-        fetch(model, lanes, &all[place..]);
-        if lanes.is_steady(*checked) {
-            continue;
+    let checks = lanes.checks(group);
+    for (place, checked) in checks.rules().iter().enumerate() {
+        if let Some(far) = checks.rules().get(place + FAR) {
+            lanes.fetch_checked(far);
+        }
+        if let Some(near) = checks.rules().get(place + NEAR) {
+            lanes.fetch_checked_side(near);
         }
         let rule = checked.rule();
-        let sequence = model.rules[rule].sequence;
-        if checked.branches() {
-            found.extend(branch(model, rule, lanes).map(|departure| (sequence, departure)));
+        let sequence = || model.rules[rule].sequence;
+        if !lanes.are_steady_shares(checks, checked) {
+            found.extend(branch(model, rule, lanes).map(|departure| (sequence(), departure)));
         }
-        if lanes.count(rule) == 0 {
-            continue;
-        }
-        if model.times(model.kind(model.rules[rule].chain)) {
+        if !lanes.are_steady_times(checks, checked) {
             let of_rule = [times(model, rule, lanes), average(model, rule, lanes)];
-            found.extend(of_rule.into_iter().flatten().map(|departure| (sequence, departure)));
+            found.extend(of_rule.into_iter().flatten().map(|departure| (sequence(), departure)));
         }
     }
     found.sort_by_key(|(sequence, _)| *sequence);
     found.into_iter().map(|(_, departure)| departure).collect()
-}
-
-/// Fetches what rules yet to be checked need.
-fn fetch(model: &NominalModel, lanes: &Lanes, to_come: &[Checked]) {
-    if let Some(farthest) = to_come.get(4 * AHEAD).filter(|far| far.is_intricate()) {
-        // A rule lies in two lines of memory or three.
-        prefetch_index(&model.rules, farthest.rule());
-        prefetch_index(&model.rules, farthest.rule() + 1);
-    }
-    if let Some(far) = to_come.get(2 * AHEAD).filter(|far| far.is_intricate())
-        && let Some(trigger) = &model.rules[far.rule()].trigger
-    {
-        prefetch_index(std::slice::from_ref(trigger.as_ref()), 0);
-    }
-    if let Some(near) = to_come.get(AHEAD) {
-        lanes.fetch_checked(*near);
-        if near.is_intricate() {
-            let clusters = model.rules[near.rule()].judged();
-            prefetch_index(clusters, 0);
-            prefetch_index(clusters, 1);
-        }
-    }
 }
 
 /// The branches out of a state, asked once, at the first of them.

@@ -12,7 +12,7 @@ mod layout;
 mod sides;
 mod within;
 
-pub use checked::Checked;
+pub use checked::{Checked, Checks};
 pub use counted::{Counters, Seen};
 
 use std::ops::Range;
@@ -22,7 +22,8 @@ use prefetch_index::prefetch_index;
 
 use crate::log::Nanoseconds;
 
-use super::chains::ChainKind;
+use super::chains::{ChainIndex, ChainKind};
+use super::found::Timed;
 use super::states::{NO_STATE, StateId};
 
 use layout::Layout;
@@ -107,6 +108,15 @@ struct Band {
     seen: Seen,
 }
 
+/// Where the lanes of a group's chain into one state lie, among those that are no first ones.
+#[derive(Debug, Clone, Copy)]
+struct Starting {
+    /// The state that the first of them leads from.
+    first: StateId,
+    start: u32,
+    end: u32,
+}
+
 /// Lanes of a model: the first of every state, in their order, then the others.
 #[derive(Debug, Clone)]
 pub struct Lanes {
@@ -116,6 +126,8 @@ pub struct Lanes {
     from: Arc<[StateId]>,
     /// By their places.
     sides: Arc<[Side]>,
+    /// By device chain, as its starting signal goes off and as it goes on.
+    starting: Arc<[Starting]>,
     /// Bands that are in no lane.
     more: Vec<Band>,
     /// When states were entered, by the places of their sides. Those of which something must know
@@ -130,27 +142,19 @@ pub struct Lanes {
 }
 
 /// A transition as it usually is: its lane, its band, the time it took.
-#[derive(Debug, Clone, Copy)]
+#[derive(Debug, Clone, Copy, Default)]
 pub struct Usual {
     lane: u32,
     band: u32,
     took: Nanoseconds,
 }
 
-/// The first lanes of the states, and what they need: where most events end.
-#[derive(Debug)]
-pub struct First<'a> {
-    lanes: &'a mut [Lane],
-    sides: &'a [Side],
-    entered: &'a mut [Nanoseconds],
-}
-
-impl First<'_> {
-    /// Fetches the lane of a state, so that it is at hand when its turn comes.
+impl Lanes {
+    /// Fetches the first lane of a state, so that it is at hand when its turn comes.
     #[inline(always)]
     pub fn fetch(&self, state: StateId) {
         // Beyond the last there are only signals nobody learned: to fetch what is there is no harm.
-        prefetch_index(&*self.lanes, state as usize);
+        prefetch_index(&self.lanes, state as usize);
     }
 
     /// Fetches what stands beside a state's lane, which is at hand; most have nothing there and
@@ -158,15 +162,15 @@ impl First<'_> {
     #[inline(always)]
     pub fn fetch_side(&self, state: StateId) {
         if let Some(lane) = self.lanes.get(state as usize) {
-            prefetch_index(self.sides, lane.place_of_side());
+            prefetch_index(&self.sides, lane.place_of_side());
         }
     }
 
-    /// Counts a transition from `current` at `time` as a usual one; false, and nothing counted,
-    /// where it is not one of the state's first lane, or what it `took`, not below zero, is not
-    /// accepted in one of the lane's own bands.
+    /// Counts a transition from `current` at `time` as a usual one, and the state as entered;
+    /// false, and nothing counted, where it is not one of the state's first lane, or what it
+    /// `took`, not below zero, is not accepted in one of the lane's own bands.
     #[inline(always)]
-    pub fn take(
+    pub fn take_first(
         &mut self,
         state: StateId,
         current: StateId,
@@ -191,17 +195,9 @@ impl First<'_> {
     /// Since when the transition of a state's first lane was due, of a device that stands where it
     /// stands since `own`; `None` where it waits for what has not happened afresh.
     #[inline(always)]
-    pub fn due(&self, state: StateId, own: Nanoseconds) -> Option<Nanoseconds> {
+    pub fn due_first(&self, state: StateId, own: Nanoseconds) -> Option<Nanoseconds> {
         let place = self.lanes.get(state as usize)?.place_of_side();
-        self.sides.get(place)?.due(self.entered, *self.entered.get(place)?, own)
-    }
-}
-
-impl Lanes {
-    /// The first lanes of the states.
-    #[inline(always)]
-    pub fn first(&mut self) -> First<'_> {
-        First { lanes: &mut self.lanes, sides: &self.sides, entered: &mut self.entered }
+        self.sides.get(place)?.due(&self.entered, *self.entered.get(place)?, own)
     }
 
     #[inline(always)]
@@ -257,6 +253,24 @@ impl Lanes {
         place.map_or(NONE, |place| (self.states + start as usize + place) as u32)
     }
 
+    /// The lane of a group's rule from one state to that of a device's starting signal, which is
+    /// boolean: [`Self::find`] without a look at the lane of that state.
+    #[inline(always)]
+    pub fn find_starting(
+        &self,
+        device: ChainIndex,
+        current: StateId,
+        next: StateId,
+    ) -> Option<usize> {
+        let Starting { first, start, end } = self.starting.get(2 * device + next as usize % 2)?;
+        let (start, end) = (*start as usize, *end as usize);
+        if *first == current {
+            return Some(self.states + start);
+        }
+        let place = self.from.get(start..end)?.iter().position(|&from| from == current)?;
+        Some(self.states + start + place)
+    }
+
     /// True for a learned state of a starting signal: a step of its group's chain.
     #[inline(always)]
     pub fn starts(&self, state: StateId) -> bool {
@@ -269,10 +283,47 @@ impl Lanes {
         self.lanes[lane].has(Traits::WAITS)
     }
 
+    /// True where a state's first lane waits for another state, alone or among others.
+    pub fn waits_for(&self, state: StateId, other: StateId) -> bool {
+        let place = self.lanes[other as usize].place_of_side() as u32;
+        self.side(state as usize).is_some_and(|side| side.due.contains(&place))
+    }
+
     /// Since when a lane that waits was due.
     #[inline(always)]
     pub fn due(&self, lane: usize, before: Nanoseconds, own: Nanoseconds) -> Option<Nanoseconds> {
         self.side(lane)?.due(&self.entered, before, own)
+    }
+
+    /// A transition of a device that stands in `current` since `own`, whose next state was entered
+    /// before at `before`; `None` where it is none or not in time.
+    #[inline(always)]
+    pub fn usual_of_device(
+        &self,
+        current: StateId,
+        next: StateId,
+        [before, own, time]: [Nanoseconds; 3],
+    ) -> Option<Usual> {
+        let lane = self.find(ChainKind::Device, current, next)?;
+        let since = if self.waits(lane) { self.due(lane, before, own)? } else { own };
+        self.usual(lane, Timed::new(since, time, true).took)
+    }
+
+    /// Takes such a transition, and counts the state as entered; false, and nothing counted, where
+    /// there is none.
+    #[inline(never)]
+    pub fn take_any(
+        &mut self,
+        current: StateId,
+        next: StateId,
+        own: Nanoseconds,
+        time: Nanoseconds,
+    ) -> bool {
+        let times = [self.last_entry(next), own, time];
+        let Some(usual) = self.usual_of_device(current, next, times) else { return false };
+        self.take(usual);
+        self.enter(next, time);
+        true
     }
 
     /// The lane as it is usually taken; `None` where the time, not below zero, is not accepted.

@@ -105,7 +105,7 @@ impl Monitor {
                 .then(|| ScanOrder::of(&model.plant)),
             stall_after: (0..groups).map(|group| model.stall_after(group)).collect(),
             fresh_for: (model.parameters.return_within_s * SECOND as f64) as Nanoseconds,
-            marks: Marks::of(&model.chains, &lanes, model.plant.signals.len()),
+            marks: Marks::of(&model, &lanes),
             marked: Vec::new(),
             lanes,
             watch: Watch::of(&model),

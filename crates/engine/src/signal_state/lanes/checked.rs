@@ -1,81 +1,128 @@
 //! Rules as the periodic checks come to them: most of what was seen of most rules is told to be
-//! steady by a glance at their lanes, without a look into the model.
+//! steady by a glance at their lanes, without a look into the model, which lies far away.
 
 use crate::log::SECOND;
 use crate::signal_state::model::NominalModel;
 use crate::signal_state::rules::row_of;
 
-use super::Lane;
+use super::counted::Seen;
+
+/// The rules of a group, in the model's order.
+#[derive(Debug, Clone, Default)]
+pub struct Checks {
+    rules: Vec<Checked>,
+    /// The times of all of them, in their order.
+    times: Vec<Time>,
+    /// A share that differs by no more from the learned one is steady.
+    steady_share: f32,
+}
 
 /// One rule as the periodic checks come to it.
 #[derive(Debug, Clone, Copy)]
 pub struct Checked {
-    /// Twice its number, and one more where it is the first of several out of its state.
     rule: u32,
-    /// Its average time, in seconds.
-    average_s: f32,
-    /// An average that differs from it by no more is steady, and with it the rule; below zero where
-    /// there is more to it.
-    steady_s: f32,
+    /// Its share of what leaves its state.
+    share: f32,
+    /// Where its times begin, and how many those are; none where they mean nothing.
+    first_time: u32,
+    times: u32,
+    /// Where the rules begin that leave its state, and how many those are; none but at the first of
+    /// several to have been seen.
+    first_of_row: u32,
+    row: u32,
 }
 
-/// A glance is sure of an average where it differs by so much less, relatively, than what would
-/// matter: more than single precision takes from it.
+/// One of a rule's times, in seconds.
+#[derive(Debug, Clone, Copy)]
+struct Time {
+    average_s: f32,
+    /// An average that differs from it by no more is steady; none is where this is below zero.
+    steady_s: f32,
+    /// Its share of the rule.
+    share: f32,
+}
+
+/// A glance is sure of a share, and of an average, relatively, where it differs by so much less
+/// than what would matter: more than single precision takes from it.
 const SURE: f64 = 1e-5;
 
 impl Checked {
     /// The rule.
-    pub fn rule(self) -> usize {
-        self.rule as usize / 2
+    pub fn rule(&self) -> usize {
+        self.rule as usize
+    }
+}
+
+impl Checks {
+    /// The rules.
+    pub fn rules(&self) -> &[Checked] {
+        &self.rules
     }
 
-    /// True where it is the first of several out of its state.
-    pub fn branches(self) -> bool {
-        self.rule % 2 == 1
+    /// The rules among which one is the first of several out of their state; none where it is not.
+    pub(super) fn row(&self, of: &Checked) -> &[Checked] {
+        &self.rules[of.first_of_row as usize..][..of.row as usize]
     }
 
-    /// True where a glance never tells whether it is steady.
-    pub fn is_intricate(self) -> bool {
-        self.steady_s < 0.0
+    /// True where a rule's share is steady beyond doubt: taken so often, of all that left its state.
+    pub(super) fn is_steady_share(&self, of: &Checked, count: u32, total: u32) -> bool {
+        self.is_steady(of.share, count, total)
     }
 
-    /// True where what its lane has seen is steady beyond doubt.
-    pub(super) fn is_steady(self, lane: &Lane) -> bool {
-        let seen = lane.seen[0] as f32;
-        let sum_s = (lane.sum[0] as f64 / SECOND as f64) as f32;
-        let change_s = (sum_s - self.average_s * seen).abs();
-        !self.is_intricate() && change_s <= self.steady_s * seen
+    /// True where what was seen of a rule's times is steady beyond doubt.
+    pub(super) fn are_steady_times(
+        &self,
+        of: &Checked,
+        seen: impl Iterator<Item = Seen> + Clone,
+    ) -> bool {
+        let times = &self.times[of.first_time as usize..][..of.times as usize];
+        let total: u32 =
+            if times.len() > 1 { seen.clone().map(|seen| seen.count).sum() } else { 0 };
+        times.iter().zip(seen).all(|(time, Seen { sum, count })| {
+            let sum_s = (sum as f64 / SECOND as f64) as f32;
+            let change_s = (sum_s - time.average_s * count as f32).abs();
+            (count == 0 || change_s <= time.steady_s * count as f32)
+                && (total == 0 || self.is_steady(time.share, count, total))
+        })
+    }
+
+    fn is_steady(&self, share: f32, count: u32, total: u32) -> bool {
+        (count as f32 - share * total as f32).abs() <= self.steady_share * total as f32
     }
 }
 
 /// The rules of each group, in the model's order.
-pub(super) fn of_groups(model: &NominalModel) -> Vec<Vec<Checked>> {
-    let mut groups: Vec<Vec<Checked>> = vec![Vec::new(); model.plant.groups.len()];
+pub(super) fn of_groups(model: &NominalModel) -> Vec<Checks> {
+    let steady_share = (model.parameters.significant_change - SURE) as f32;
+    let mut groups = vec![Checks { steady_share, ..Checks::default() }; model.plant.groups.len()];
     for (index, rule) in model.rules.iter().enumerate() {
-        let row = model.table.row(row_of(rule.current, model.kind(rule.chain)));
+        let Checks { rules, times, .. } = &mut groups[model.chains.group_of(rule.chain)];
+        let kind = model.kind(rule.chain);
+        let row = model.table.row(row_of(rule.current, kind));
         let first = row.clone().min_by_key(|&other| model.rules[other].sequence);
         let branches = row.len() > 1 && first == Some(index);
-        let (average_s, steady_s) = if branches { (0.0, -1.0) } else { steady(model, index) };
-        groups[model.chains.group_of(rule.chain)].push(Checked {
-            rule: 2 * index as u32 + u32::from(branches),
-            average_s,
-            steady_s,
+        let judged = if model.times(kind) { rule.judged() } else { &[] };
+        rules.push(Checked {
+            rule: index as u32,
+            share: rule.probability as f32,
+            first_time: times.len() as u32,
+            times: judged.len() as u32,
+            // A row's rules are of one chain, and lie side by side.
+            first_of_row: (rules.len() - (index - row.start)) as u32,
+            row: if branches { row.len() as u32 } else { 0 },
         });
+        times.extend(judged.iter().map(|cluster| {
+            let sure = model.significant_change_s(cluster) - SURE * cluster.average_s;
+            Time {
+                average_s: cluster.average_s as f32,
+                steady_s: if sure > 0.0 { sure as f32 } else { -1.0 },
+                share: cluster.probability as f32,
+            }
+        }));
     }
-    groups.iter_mut().for_each(Vec::shrink_to_fit);
+    for Checks { rules, times, .. } in &mut groups {
+        rules.shrink_to_fit();
+        times.shrink_to_fit();
+    }
     groups
-}
-
-/// The average time of a rule that is no first of several, and by how much it may differ.
-fn steady(model: &NominalModel, rule: usize) -> (f32, f32) {
-    let rule = &model.rules[rule];
-    match rule.judged() {
-        [] => (0.0, f32::MAX),
-        _ if !model.times(model.kind(rule.chain)) => (0.0, f32::MAX),
-        [only] => {
-            let sure = model.significant_change_s(only) - SURE * only.average_s;
-            (only.average_s as f32, if sure > 0.0 { sure as f32 } else { -1.0 })
-        }
-        _ => (0.0, -1.0),
-    }
 }

@@ -7,7 +7,7 @@ use prefetch_index::prefetch_index;
 use crate::log::Nanoseconds;
 use crate::signal_state::states::StateId;
 
-use super::checked::Checked;
+use super::checked::{Checked, Checks};
 use super::{INLINE, Lanes, NEVER, Traits};
 
 /// What was seen of one cluster of a rule since the last check.
@@ -32,13 +32,31 @@ pub struct Counters {
 
 impl Lanes {
     /// Fetches what was counted of a rule.
-    pub fn fetch_checked(&self, checked: Checked) {
-        prefetch_index(&self.lanes, self.layout.lane_of[checked.rule()] as usize);
+    pub fn fetch_checked(&self, checked: &Checked) {
+        let at = self.layout.lane_of[checked.rule()] as usize;
+        prefetch_index(&self.lanes, at);
+        prefetch_index(&self.untimed, at);
     }
 
-    /// True where what was counted of a rule is steady beyond doubt.
-    pub fn is_steady(&self, checked: Checked) -> bool {
-        checked.is_steady(&self.lanes[self.layout.lane_of[checked.rule()] as usize])
+    /// Fetches what was counted of a rule and is not in its lane, which is at hand.
+    pub fn fetch_checked_side(&self, checked: &Checked) {
+        let at = self.layout.lane_of[checked.rule()] as usize;
+        if self.lanes[at].has(Traits::MORE) {
+            prefetch_index(&self.sides, self.lanes[at].place_of_side());
+        }
+    }
+
+    /// True where what was counted of a rule's times is steady beyond doubt.
+    pub fn are_steady_times(&self, checks: &Checks, of: &Checked) -> bool {
+        checks.are_steady_times(of, self.seen(of.rule()))
+    }
+
+    /// True where what was counted of the rules out of a state is steady beyond doubt, `of` being
+    /// the first of several.
+    pub fn are_steady_shares(&self, checks: &Checks, of: &Checked) -> bool {
+        let row = || checks.row(of).iter().map(|other| (other, self.count(other.rule())));
+        let total: u32 = row().map(|(_, count)| count).sum();
+        total == 0 || row().all(|(other, count)| checks.is_steady_share(other, count, total))
     }
 
     /// How often a rule was taken since the last check.
@@ -61,14 +79,14 @@ impl Lanes {
     }
 
     /// The rules of a group, in the model's order.
-    pub fn checked(&self, group: usize) -> &[Checked] {
-        self.layout.checked.get(group).map_or(&[], Vec::as_slice)
+    pub fn checks(&self, group: usize) -> &Checks {
+        &self.layout.checks[group]
     }
 
     /// Starts the counters of a group's rules anew.
     pub fn reset(&mut self, group: usize) {
         let layout = Arc::clone(&self.layout);
-        for checked in layout.checked.get(group).into_iter().flatten() {
+        for checked in layout.checks[group].rules() {
             let at = layout.lane_of[checked.rule()];
             let lane = &mut self.lanes[at as usize];
             // What was not counted is not written.

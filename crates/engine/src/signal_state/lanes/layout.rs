@@ -11,11 +11,11 @@ use crate::signal_state::states::{NO_STATE, StateId};
 use crate::timing::TimeCluster;
 use crate::timing::limits::Accepted;
 
-use super::checked::{self, Checked};
+use super::checked::{self, Checks};
 use super::counted::Seen;
 use super::sides::{Side, Sides};
 use super::within::Within;
-use super::{Band, INLINE, Lane, Lanes, NEVER, NONE, NOWHERE, Traits, UNUSED};
+use super::{Band, INLINE, Lane, Lanes, NEVER, NONE, NOWHERE, Starting, Traits, UNUSED};
 
 /// What does not change while watching.
 #[derive(Debug)]
@@ -30,7 +30,7 @@ pub(super) struct Layout {
     /// sides with something on them.
     pub(super) tracked: Vec<StateId>,
     /// Per group: its rules, in the model's order.
-    pub(super) checked: Vec<Vec<Checked>>,
+    pub(super) checks: Vec<Checks>,
 }
 
 impl Layout {
@@ -49,7 +49,7 @@ impl Lanes {
             rule_of: Vec::new(),
             bands: Vec::new(),
             tracked: tracked(model),
-            checked: checked::of_groups(model),
+            checks: checked::of_groups(model),
         };
         let mut sides = Sides::new();
         let mut lanes = first_lanes(model);
@@ -93,6 +93,7 @@ impl Lanes {
             }
         }
         layout.finish(lanes.len(), model);
+        let starting = starting(model, &lanes, &sides.0, &from);
         let untimed = vec![0; lanes.len()];
         more.shrink_to_fit();
         Self {
@@ -101,6 +102,7 @@ impl Lanes {
             from: from.into(),
             more,
             entered: vec![NEVER; sides.0.len()],
+            starting: starting.into(),
             sides: sides.0.into(),
             untimed,
             times_groups: model.times(ChainKind::Group),
@@ -136,6 +138,31 @@ fn first_lanes(model: &NominalModel) -> Vec<Lane> {
         Lane { side: if starting { Traits::STARTING } else { 0 }, ..UNUSED }
     };
     (0..model.states.len() as StateId).map(lane).collect()
+}
+
+/// By device chain, as its starting signal goes off and as it goes on: the lanes of the group.
+fn starting(
+    model: &NominalModel,
+    lanes: &[Lane],
+    sides: &[Side],
+    from: &[StateId],
+) -> Vec<Starting> {
+    let mut starting = vec![Starting { first: NOWHERE, start: 0, end: 0 }; 2 * model.chains.len()];
+    for signal in 0..model.plant.signals.len() as StateId {
+        if model.chains.group_chain(signal).is_none() {
+            continue;
+        }
+        for state in [2 * signal, 2 * signal + 1] {
+            let place = 2 * model.chains.device_chain(signal) + state as usize % 2;
+            let side = &sides[lanes[state as usize].place_of_side()];
+            if let Some(&first) =
+                from.get(side.group as usize..side.end as usize).and_then(<[_]>::first)
+            {
+                starting[place] = Starting { first, start: side.group, end: side.end };
+            }
+        }
+    }
+    starting
 }
 
 /// How many rules will find the first lane of their state taken.

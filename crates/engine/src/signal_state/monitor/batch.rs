@@ -24,8 +24,8 @@ pub(super) trait Batch: Copy {
     /// What stands for the signals of several, and their values.
     fn changes(self, range: Range<usize>) -> impl Iterator<Item = (u32, i64)>;
 
-    /// The marks of what stands for signals, two for each; `own` are those of the plant's signals.
-    fn marks<'a>(&'a self, own: &'a [Mark]) -> &'a [Mark];
+    /// The marks of what stands for signals, as it goes off and as it goes on; `own` are those of the plant's signals.
+    fn marks<'a>(&'a self, own: &'a [[Mark; 2]]) -> &'a [[Mark; 2]];
 
     /// Several of them.
     fn rows(self, range: Range<usize>) -> impl Iterator<Item = Row> {
@@ -59,7 +59,7 @@ impl Batch for &[Row] {
     }
 
     #[inline(always)]
-    fn marks<'a>(&'a self, own: &'a [Mark]) -> &'a [Mark] {
+    fn marks<'a>(&'a self, own: &'a [[Mark; 2]]) -> &'a [[Mark; 2]] {
         own
     }
 }
@@ -116,7 +116,7 @@ impl Batch for Columns<'_> {
     }
 
     #[inline(always)]
-    fn marks<'a>(&'a self, _own: &'a [Mark]) -> &'a [Mark] {
+    fn marks<'a>(&'a self, _own: &'a [[Mark; 2]]) -> &'a [[Mark; 2]] {
         self.keys.marks()
     }
 }

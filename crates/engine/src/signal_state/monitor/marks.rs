@@ -4,8 +4,9 @@
 use std::ops::Range;
 
 use crate::log::{Nanoseconds, SignalIndex};
-use crate::signal_state::chains::{ChainIndex, Chains};
+use crate::signal_state::chains::ChainIndex;
 use crate::signal_state::lanes::Lanes;
+use crate::signal_state::model::NominalModel;
 use crate::signal_state::states::StateId;
 
 use super::batch::Batch;
@@ -17,43 +18,51 @@ pub(super) struct Mark(u64);
 impl Mark {
     /// Where the number of the chain begins; below it is the state.
     const DEVICE: u32 = 32;
-    /// The row after it is of the same scan, or not known yet.
-    const SHARES: u64 = 1 << 60;
-    /// Not a boolean value that somebody learned.
-    const ODD: u64 = 1 << 61;
-    /// A step of its group's chain, too.
-    const STARTS: u64 = 1 << 62;
     /// The most frequent transition into its state waits for another event.
-    const WAITS: u64 = 1 << 63;
+    const WAITS: u64 = 1 << 60;
+    /// A step of its group's chain, too.
+    const STARTS: u64 = 1 << 61;
+    /// The row after it is of the same scan, or not known yet.
+    const SHARES: u64 = 1 << 62;
+    /// Never a usual row: no boolean value that somebody learned, or a cycle ends with it.
+    const ODD: u64 = 1 << 63;
 
-    /// True for a scan of its own that is a step of its device alone.
+    /// Of rows of which nothing is known.
+    const UNKNOWN: Self = Self(Self::ODD);
+
     #[inline(always)]
-    pub(super) fn is_plain(self) -> bool {
-        self.0 & !Self::WAITS < Self::SHARES
+    fn is(self, what: u64) -> bool {
+        self.0 & what != 0
+    }
+
+    /// True for a scan of its own that may be usual.
+    #[inline(always)]
+    pub(super) fn is_alone(self) -> bool {
+        self.0 < Self::SHARES
     }
 
     /// True where the most frequent transition into its state waits for another event.
     #[inline(always)]
     pub(super) fn waits(self) -> bool {
-        self.0 & Self::WAITS != 0
+        self.is(Self::WAITS)
     }
 
     /// True where the row after it is of the same scan, or not known yet.
     #[inline(always)]
     pub(super) fn shares(self) -> bool {
-        self.0 & Self::SHARES != 0
+        self.is(Self::SHARES)
     }
 
-    /// True where it is no boolean value that somebody learned: its state means nothing.
+    /// True where it is never usual: its state may mean nothing.
     #[inline(always)]
     pub(super) fn is_odd(self) -> bool {
-        self.0 & Self::ODD != 0
+        self.is(Self::ODD)
     }
 
     /// True where it is a step of its group's chain, too.
     #[inline(always)]
     pub(super) fn starts(self) -> bool {
-        self.0 & Self::STARTS != 0
+        self.is(Self::STARTS)
     }
 
     /// The state it leads to.
@@ -65,7 +74,7 @@ impl Mark {
     /// The chain of its device.
     #[inline(always)]
     pub(super) fn device(self) -> ChainIndex {
-        ((self.0 & (Self::SHARES - 1)) >> Self::DEVICE) as ChainIndex
+        ((self.0 & (Self::WAITS - 1)) >> Self::DEVICE) as ChainIndex
     }
 }
 
@@ -74,14 +83,14 @@ impl Mark {
 pub struct Keys {
     numbers: Vec<SignalIndex>,
     /// Of each key, as it goes off and as it goes on.
-    marks: Vec<Mark>,
+    marks: Vec<[Mark; 2]>,
 }
 
 impl Keys {
-    fn new(numbers: Vec<SignalIndex>, by_state: &[Mark]) -> Self {
-        let mark = |state: usize| by_state.get(state).copied().unwrap_or(Mark(Mark::ODD));
-        let two = |&number: &SignalIndex| [0, 1].map(|value| mark(2 * number as usize + value));
-        Self { marks: numbers.iter().flat_map(two).collect(), numbers }
+    fn new(numbers: Vec<SignalIndex>, own: &[[Mark; 2]]) -> Self {
+        let two = |&number: &SignalIndex| own.get(number as usize).copied();
+        let marks = numbers.iter().map(|number| two(number).unwrap_or([Mark::UNKNOWN; 2]));
+        Self { marks: marks.collect(), numbers }
     }
 
     /// Of monitors that mark nothing.
@@ -100,7 +109,7 @@ impl Keys {
         self.numbers[key as usize] = number;
     }
 
-    pub(super) fn marks(&self) -> &[Mark] {
+    pub(super) fn marks(&self) -> &[[Mark; 2]] {
         &self.marks
     }
 }
@@ -108,26 +117,34 @@ impl Keys {
 /// The marks of a plant's signals, each as it goes off and as it goes on.
 #[derive(Debug, Clone)]
 pub(super) struct Marks {
-    by_state: Vec<Mark>,
+    by_signal: Vec<[Mark; 2]>,
 }
 
 impl Marks {
-    pub(super) fn of(chains: &Chains, lanes: &Lanes, signals: usize) -> Self {
+    pub(super) fn of(model: &NominalModel, lanes: &Lanes) -> Self {
+        let chains = &model.chains;
         let mark = |state: StateId| {
-            let device = (chains.device_chain(state / 2) as u64) << Mark::DEVICE;
-            let starts = if lanes.starts(state) { Mark::STARTS } else { 0 };
-            let waits = if lanes.waits(state as usize) { Mark::WAITS } else { 0 };
-            Mark(u64::from(state) | device | starts | waits)
+            let device = chains.device_chain(state / 2);
+            let closes = model.learned.group_start[chains.group_of(device)] == state;
+            let traits = [
+                (Mark::STARTS, lanes.starts(state)),
+                (Mark::WAITS, lanes.waits(state as usize)),
+                (Mark::ODD, closes && lanes.starts(state)),
+            ];
+            let traits = traits.iter().filter(|(_, has)| *has).map(|(what, _)| what);
+            Mark(traits.sum::<u64>() | (device as u64) << Mark::DEVICE | u64::from(state))
         };
-        Self { by_state: (0..2 * signals as StateId).map(mark).collect() }
+        let signals = 0..model.plant.signals.len() as SignalIndex;
+        Self { by_signal: signals.map(|signal| [2 * signal, 2 * signal + 1].map(mark)).collect() }
     }
 
     /// What keys stand for that stand for signals by their numbers.
     pub(super) fn keys(&self, numbers: Vec<SignalIndex>) -> Keys {
-        Keys::new(numbers, &self.by_state)
+        Keys::new(numbers, &self.by_signal)
     }
 
-    /// Marks some rows of a batch, one at least; a scan is over after so much time.
+    /// Marks some rows of a batch, one at least, and so many unknown ones behind the last of the
+    /// batch that `range` is full; a scan is over after so much time.
     #[inline(never)]
     pub(super) fn mark<B: Batch>(
         &self,
@@ -137,18 +154,17 @@ impl Marks {
         marked: &mut Vec<Mark>,
     ) {
         marked.clear();
-        let marks = batch.marks(&self.by_state);
+        let marks = batch.marks(&self.by_signal);
         // What comes after the last of all is not known yet.
         let last = range.end.min(batch.len() - 1);
         let times = batch.times(range.start..last).zip(batch.times(range.start + 1..last + 1));
         let changes = batch.changes(range.start..last);
         marked.extend(times.zip(changes).map(|((time, next), (key, value))| {
-            let place = 2 * key as usize + (value & 1) as usize;
-            let mark = marks.get(place).map_or(Mark::ODD, |mark| mark.0);
+            let two = marks.get(key as usize);
+            let mark = two.and_then(|two| two.get(value as usize)).unwrap_or(&Mark::UNKNOWN);
             let shares = next.wrapping_sub(time) < scan;
-            let odd = value & !1 != 0;
-            Mark(mark | if shares { Mark::SHARES } else { 0 } | if odd { Mark::ODD } else { 0 })
+            Mark(mark.0 | if shares { Mark::SHARES } else { 0 })
         }));
-        marked.resize(range.len(), Mark(Mark::SHARES | Mark::ODD));
+        marked.resize(range.len(), Mark::UNKNOWN);
     }
 }

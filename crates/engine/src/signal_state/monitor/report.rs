@@ -7,7 +7,7 @@ use crate::log::{Nanoseconds, SECOND};
 use crate::signal_state::chains::{ChainIndex, ChainKind};
 use crate::signal_state::events::Row;
 use crate::signal_state::found::{self, Record, Timed, What};
-use crate::signal_state::identity::FindingId;
+use crate::signal_state::identity::{FindingId, Identity};
 use crate::signal_state::incident::{Incident, Occurrence, Placement};
 use crate::signal_state::model::Judgement;
 use crate::signal_state::parameters::Timing;
@@ -15,14 +15,14 @@ use crate::signal_state::snapshot::Snapshot;
 use crate::signal_state::states::NO_STATE;
 use crate::signal_state::{check, message};
 
-use super::step::{Entry, Waiting};
+use super::step::{Entry, Waiting, Way};
 use super::watch::{Clock, Here, OpenPath};
 use super::{Monitor, SNAPSHOTS_AT_MOST};
 
 impl Monitor {
-    /// A time out of its limits.
+    /// A time of a rule out of its limits; `way` is the rule's.
     #[cold]
-    pub(super) fn report_time(&mut self, rule: usize, time: Nanoseconds, timed: Timed) {
+    pub(super) fn report_time(&mut self, rule: usize, way: Way, time: Nanoseconds, timed: Timed) {
         let model = Arc::clone(&self.model);
         let plat = model.parameters.timing == Timing::Plat;
         let (kind, severity) = if plat {
@@ -42,7 +42,7 @@ impl Monitor {
         let waiting = Waiting { since: timed.since, inherits };
         let what = What::Time { rule: rule as u32, timed };
         let record = Record { what, kind, severity, time, incident: None };
-        self.place_record(record, model.rules[rule].chain, waiting);
+        self.place_record(record, way, waiting);
     }
 
     pub(super) fn report_unknown(
@@ -137,11 +137,12 @@ impl Monitor {
         let model = Arc::clone(&self.model);
         let departures = check::departures(&model, group, &self.lanes);
         for departure in departures {
-            let chain = model.rules[departure.rule].chain;
+            let rule = &model.rules[departure.rule];
+            let way = Way { chain: rule.chain, states: [rule.current, rule.next] };
             let kind = departure.kind;
             let what = What::Departure(Box::new(departure));
             let record = Record { what, kind, severity: Severity::Anomaly, time, incident: None };
-            self.place_record(record, chain, Waiting { since: time, inherits: false });
+            self.place_record(record, way, Waiting { since: time, inherits: false });
         }
         self.lanes.reset(group);
     }
@@ -184,10 +185,11 @@ impl Monitor {
         finding
     }
 
-    /// Places a finding that is told later, and keeps it.
-    fn place_record(&mut self, mut record: Record, chain: ChainIndex, waiting: Waiting) {
-        let Some(identity) = record.identity(&self.model) else { return };
-        let id = FindingId::Untold(identity);
+    /// Places a finding that is told later, and keeps it. Its rule is not looked up: it lies far
+    /// from all else that a step needs.
+    fn place_record(&mut self, mut record: Record, way: Way, waiting: Waiting) {
+        let Way { chain, states } = way;
+        let id = FindingId::Untold(Identity::new(record.kind, chain, states, record.time));
         let worth = record.severity != Severity::Notice;
         let placement = self.placement(id, (record.kind, worth), chain, record.time, waiting);
         if placement.consequence && self.order.is_some() {

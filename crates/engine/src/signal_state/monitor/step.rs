@@ -16,6 +16,13 @@ pub(super) struct Entry {
     pub(super) before: Nanoseconds,
 }
 
+/// From which state to which a chain went.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Way {
+    pub(super) chain: ChainIndex,
+    pub(super) states: [StateId; 2],
+}
+
 /// Since when a device had been waiting, and whether another's delay may be the reason.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Waiting {
@@ -42,7 +49,8 @@ impl Monitor {
                     self.take_without_trigger(lane, timed)
                 };
                 if !in_time {
-                    self.report_time(self.lanes.rule(lane), event.time, timed);
+                    let way = Way { chain, states: [from.state, event.state] };
+                    self.report_time(self.lanes.rule(lane), way, event.time, timed);
                 }
                 if from.off_path() {
                     self.known_step(chain, event.state, event.time);

@@ -5,15 +5,16 @@
 use std::ops::Range;
 
 use crate::log::Nanoseconds;
-use crate::signal_state::chains::ChainKind;
+use crate::signal_state::chains::ChainIndex;
 use crate::signal_state::found::Timed;
-use crate::signal_state::lanes::Usual;
+use crate::signal_state::lanes::{Lanes, Usual};
+use crate::signal_state::model::NominalModel;
 use crate::signal_state::order::ScanOrder;
 
 use super::Monitor;
 use super::batch::Batch;
 use super::marks::Mark;
-use super::watch::Watch;
+use super::watch::{Here, Watch};
 
 /// How many rows ahead of its turn a row's lane is fetched, and what stands beside the lane. The
 /// memory behind a big plant's lanes is the cost of watching it, unless it is asked for in time.
@@ -31,6 +32,13 @@ struct Step {
     of_group: Option<Usual>,
 }
 
+/// A usual step of a group's chain.
+#[derive(Debug, Clone, Copy, Default)]
+struct GroupStep {
+    chain: ChainIndex,
+    usual: Usual,
+}
+
 impl Monitor {
     /// Takes rows in time order, none of them before one already watched.
     pub(super) fn take_batch<B: Batch>(&mut self, batch: B) {
@@ -39,7 +47,7 @@ impl Monitor {
         let mut at = 0;
         while at < batch.len() {
             let block = at..batch.len().min(at + BLOCK);
-            self.marks.mark(batch, at..batch.len().min(block.end + FAR), scan, &mut marked);
+            self.marks.mark(batch, at..block.end + FAR, scan, &mut marked);
             while at < block.end {
                 let to = self.take_usual_rows(batch, at..block.end, &marked[at - block.start..]);
                 if let Some(time) = batch.time(to.wrapping_sub(1)).filter(|_| to > at) {
@@ -66,25 +74,31 @@ impl Monitor {
             return start;
         }
         let mut at = start;
-        loop {
-            at = self.take_plain_rows(batch, at..end, &marks[at - start..]);
-            if at >= end {
+        while at < end {
+            let until = self.before_deadline(batch, at..end);
+            at = self.take_rows_in_turn(batch, at..until, &marks[at - start..]);
+            let &[mark, after, ..] = &marks[at - start..] else { return at };
+            let two = at < until && mark.shares() && self.are_two(batch, at);
+            if !two || !self.take_two(batch, at, [mark, after]) {
                 return at;
             }
-            let (mark, after) = (marks[at - start], marks.get(at - start + 1));
-            let Some(time) = batch.time(at) else { return at };
-            let rows = if !mark.shares() {
-                usize::from(self.take_one(mark, time))
-            } else if let Some(&after) = after.filter(|_| self.are_two(batch, at)) {
-                2 * usize::from(self.take_two(batch, at, [mark, after]))
-            } else {
-                0
-            };
-            if rows == 0 {
-                return at;
-            }
-            at += rows;
+            at += 2;
         }
+        at
+    }
+
+    /// How far rows go before something else is due.
+    fn before_deadline<B: Batch>(&self, batch: B, Range { start, end }: Range<usize>) -> usize {
+        let due = |at| batch.time(at).is_some_and(|time| time >= self.watch.next_deadline);
+        if !due(end - 1) {
+            return end;
+        }
+        let (mut low, mut high) = (start, end - 1);
+        while low < high {
+            let middle = low.midpoint(high);
+            if due(middle) { high = middle } else { low = middle + 1 }
+        }
+        low
     }
 
     /// True where a scan is over after the second of its rows.
@@ -94,57 +108,66 @@ impl Monitor {
         times.is_some_and(|(first, third)| self.is_over(first, third))
     }
 
-    /// Takes plain rows that go by the most frequent rule into their state; returns the place of
-    /// the first that is none or does not.
+    /// Takes rows one after the other as long as all is usual; returns the place of the first not
+    /// taken. `marks` go [`FAR`] beyond the rows.
     #[inline(never)]
-    fn take_plain_rows<B: Batch>(
+    fn take_rows_in_turn<B: Batch>(
         &mut self,
         batch: B,
         range: Range<usize>,
         marks: &[Mark],
     ) -> usize {
-        let mut lanes = self.lanes.first();
-        let Watch { values, here, clocks, next_deadline, .. } = &mut self.watch;
-        let (here, clocks, deadline) = (here.as_mut_slice(), clocks.as_mut_slice(), *next_deadline);
-        for (turn, (at, &mark)) in range.clone().zip(marks).enumerate() {
-            if let Some(far) = marks.get(turn + FAR) {
-                lanes.fetch(far.state());
-                lanes.fetch_side(marks[turn + NEAR].state());
-            }
-            if !mark.is_plain() {
-                return at;
-            }
-            let Some(time) = batch.time(at).filter(|&time| time < deadline) else { return at };
+        let Self { model, lanes, watch, order, .. } = self;
+        let Watch { values, here, clocks, .. } = watch;
+        let (here, clocks) = (here.as_mut_slice(), clocks.as_mut_slice());
+        let mut of_group = GroupStep::default();
+        let rows = marks.windows(FAR + 1).zip(batch.times(range.clone()));
+        for ((marks, time), at) in rows.zip(range.clone()) {
+            let mark = marks[0];
+            lanes.fetch(marks[FAR].state());
+            lanes.fetch_side(marks[NEAR].state());
             let state = mark.state();
             if !values.changes(state) {
                 return at;
             }
-            let Some(here) = here.get_mut(mark.device()) else { return at };
-            let Some(clock) = clocks.get_mut(here.clock as usize) else { return at };
-            let since = if mark.waits() { lanes.due(state, here.since) } else { Some(here.since) };
-            let Some(since) = since else { return at };
-            let took = time.wrapping_sub(since);
+            if !mark.is_alone()
+                && !are_pair((model, lanes), order.as_ref(), (batch, at), [mark, marks[1]])
+            {
+                return at;
+            }
+            if mark.starts() {
+                let chain = model.chains.chain_of_group(model.chains.group_of(mark.device()));
+                let step = usual_of_group(lanes, here[chain], mark, time);
+                let Some(usual) = step else { return at };
+                of_group = GroupStep { chain, usual };
+            }
+            let Some(stands) = here.get_mut(mark.device()) else { return at };
+            let Some(clock) = clocks.get_mut(stands.clock as usize) else { return at };
+            if !clock.runs {
+                return at;
+            }
+            let since = if mark.waits() {
+                lanes.due_first(state, stands.since)
+            } else {
+                Some(stands.since)
+            };
             // A time below zero is longer than can be told, or of a scan whose order was mended.
-            if !clock.runs || took < 0 || !lanes.take(state, here.state, time, took) {
+            let took = since.map(|since| time.wrapping_sub(since)).filter(|&took| took >= 0);
+            let first = took.is_some_and(|took| lanes.take_first(state, stands.state, time, took));
+            // A rarer transition may wait for the other of its pair.
+            if !first && (mark.shares() || !lanes.take_any(stands.state, state, stands.since, time))
+            {
                 return at;
             }
             values.take_change(state);
-            here.enter(state, time);
+            stands.enter(state, time);
             (clock.last, clock.state) = (time, state);
+            if mark.starts() {
+                lanes.take(of_group.usual);
+                here[of_group.chain].enter(state, time);
+            }
         }
         range.end
-    }
-
-    /// Takes any other usual row that is a scan of its own; false, and nothing taken, where it is
-    /// not.
-    #[inline(never)]
-    fn take_one(&mut self, mark: Mark, time: Nanoseconds) -> bool {
-        let Some(step) = self.usual_step(mark, time, self.lanes.last_entry(mark.state())) else {
-            return false;
-        };
-        self.lanes.enter(mark.state(), time);
-        self.take_step(mark, time, step);
-        true
     }
 
     /// Two rows of one scan that are steps of different chains; false, and nothing taken, where they
@@ -197,21 +220,11 @@ impl Monitor {
         {
             return None;
         }
-        let lane = lanes.find(ChainKind::Device, stands.state, state)?;
-        let waits = lanes.waits(lane);
-        let since = if waits { lanes.due(lane, before, stands.since)? } else { stands.since };
-        let of_device = lanes.usual(lane, Timed::new(since, time, true).took)?;
+        let times = [before, stands.since, time];
+        let of_device = lanes.usual_of_device(stands.state, state, times)?;
         let of_group = if mark.starts() {
-            // The return to the first state closes a cycle.
-            if state == model.learned.group_start[group as usize] {
-                return None;
-            }
-            let there = watch.here[model.chains.chain_of_group(group as usize)];
-            if there.off_path() {
-                return None;
-            }
-            let lane = lanes.find(ChainKind::Group, there.state, state)?;
-            Some(lanes.usual_of_group(lane, Timed::new(there.since, time, true).took)?)
+            let from = watch.here[model.chains.chain_of_group(group as usize)];
+            Some(usual_of_group(lanes, from, mark, time)?)
         } else {
             None
         };
@@ -234,4 +247,37 @@ impl Monitor {
         let clock = &mut watch.clocks[group];
         (clock.last, clock.state) = (time, state);
     }
+}
+
+/// True where the rows at a place and after it are a scan of their own and can be taken one after
+/// the other: they are of different devices, the first does not wait for the second, and their
+/// group's clock and chain see them in the order they are in.
+#[inline(never)]
+fn are_pair<B: Batch>(
+    (model, lanes): (&NominalModel, &Lanes),
+    order: Option<&ScanOrder>,
+    (batch, at): (B, usize),
+    [one, other]: [Mark; 2],
+) -> bool {
+    let at_once = batch.time(at) == batch.time(at + 1);
+    if one.is_odd() || !other.is_alone() || !at_once || one.device() == other.device() {
+        return false;
+    }
+    if one.waits() && lanes.waits_for(one.state(), other.state()) {
+        return false;
+    }
+    let group = |mark: Mark| model.chains.group_of(mark.device());
+    let both_start = one.starts() && other.starts();
+    let swaps = |order: &ScanOrder| order.swaps((0, one.state() / 2), (0, other.state() / 2));
+    group(one) != group(other) || !(both_start || order.is_some_and(swaps))
+}
+
+/// The step of a group's chain that stands somewhere, in a row.
+#[inline(never)]
+fn usual_of_group(lanes: &Lanes, from: Here, mark: Mark, time: Nanoseconds) -> Option<Usual> {
+    if from.off_path() {
+        return None;
+    }
+    let lane = lanes.find_starting(mark.device(), from.state, mark.state())?;
+    lanes.usual_of_group(lane, Timed::new(from.since, time, true).took)
 }
