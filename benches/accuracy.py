@@ -28,7 +28,7 @@ VARIANTS: dict[str, dict[str, Any]] = {
     "plat, 1 s": {"timing": "plat", "allowance_s": ALLOWANCE_S},
     "plat, Δ of Table 4": {"timing": "plat"},
     "adaptive": {"timing": "adaptive"},
-    "adaptive, 5 a day": {"timing": "adaptive", "false_alarms_per_day": 5.0},
+    "adaptive, 3 a day": {"timing": "adaptive", "false_alarms_per_day": 3.0},
 }
 FAULTS = 150
 LATE = {"main": 1500, "a": 500, "b": 500, "tiny": 30}
@@ -206,11 +206,9 @@ def figures(results: dict[str, Any]) -> list[dict[str, Any]]:
         published = plant["by_truth"]["plat, 1 s"]["alarm"]
         by_log = plant["by_log"]
         adaptive, late = by_log["adaptive"]["alarm"], plant["by_truth"]["adaptive"]["alarm"]
-        nominal = plant["nominal"]["adaptive"]
         rows = [
             ("plat: faults", _share(by_log["plat, 1 s"]["alarm"], "faults"), 1.0),
             ("adaptive: faults", _share(adaptive, "faults"), 1.0),
-            ("adaptive: late over the transition's maximum", _late_share(adaptive), LATE_FOUND),
             ("adaptive: late over the actual time", _share(late, "late_own"), LATE_FOUND),
             ("adaptive: late after what it waited for", _share(late, "late_waits"), LATE_FOUND),
         ]
@@ -227,13 +225,24 @@ def figures(results: dict[str, Any]) -> list[dict[str, Any]]:
                  "demand": f"paper's ± {100 * WITHIN:g} %",
                  "met": abs(value - demand) <= WITHIN}
             )  # fmt: skip
-        rate = 1e6 * nominal["alarms"] / nominal["events"]
-        found.append(
-            {"plant": size, "what": "adaptive: false alarms per million nominal events",
-             "value": f"{rate:.1f}", "demand": f"≤ {FALSE_PER_MILLION:g}",
-             "met": rate <= FALSE_PER_MILLION}
-        )  # fmt: skip
+        found += _at_its_budget(size, plant, "adaptive")
+        found += _at_its_budget(size, plant, "adaptive, 3 a day")
     return found
+
+
+def _at_its_budget(size: str, plant: dict[str, Any], variant: str) -> list[dict[str, Any]]:
+    """What is demanded of one budget at a time."""
+    nominal = plant["nominal"][variant]
+    rate = 1e6 * nominal["alarms"] / nominal["events"]
+    late = _late_share(plant["by_log"][variant]["alarm"])
+    return [
+        {"plant": size, "what": f"{variant}: late over the transition's maximum",
+         "value": f"{100 * late:.2f} %", "demand": f"≥ {100 * LATE_FOUND:g} %",
+         "met": late >= LATE_FOUND},
+        {"plant": size, "what": f"{variant}: false alarms per million nominal events",
+         "value": f"{rate:.1f}", "demand": f"≤ {FALSE_PER_MILLION:g}",
+         "met": rate <= FALSE_PER_MILLION},
+    ]  # fmt: skip
 
 
 def _share(counts: dict[str, int], kind: str) -> float:

@@ -119,7 +119,7 @@ def _watch(
                     # As of the baseline, what is timed is watching alone.
                     monitor = model.monitor()
                     watching = partial(_observe, monitor, [plant.watch])
-                    findings[timing] = ours[timing].time(watching)
+                    findings[timing] = _count(ours[timing].time(watching))
                 monitor = model.monitor()
                 from_arrow[timing].time(partial(_observe, monitor, batches))
             loop.run()
@@ -133,12 +133,16 @@ def _watch(
     }
 
 
-def _observe(monitor: rl.Monitor, batches: list[Any]) -> int:
-    found = sum(len(monitor.observe(batch)) for batch in batches)
-    return found + len(monitor.finish())
+def _observe(monitor: rl.Monitor, batches: list[Any]) -> list[Any]:
+    """Findings, in batches."""
+    return [*(monitor.observe(batch) for batch in batches), monitor.finish()]
 
 
-def _read_and_observe(model: rl.NominalModel, path: Path) -> int:
+def _count(findings: list[Any]) -> int:
+    return sum(len(batch) for batch in findings)
+
+
+def _read_and_observe(model: rl.NominalModel, path: Path) -> list[Any]:
     return _observe(model.monitor(), [rl.read_log(path)])
 
 

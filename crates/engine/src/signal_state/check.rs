@@ -7,13 +7,15 @@
 //! explains it: the standardised difference, with the dispersion learned for that very share or
 //! mean, must be as rare as the budget demands.
 
+use prefetch_index::prefetch_index;
+
 use crate::finding::Kind;
 use crate::log::SECOND;
 use crate::timing::TimeCluster;
 use crate::timing::limits::BODY_INSTANCES;
 
 use super::chains::ChainKind;
-use super::lanes::{Lanes, Seen};
+use super::lanes::{Checked, Lanes, Seen};
 use super::model::NominalModel;
 use super::parameters::Timing;
 use super::rules::row_of;
@@ -38,35 +40,62 @@ pub struct Departure {
 /// Fewer observations than this in a window prove nothing in `adaptive`.
 const OBSERVATIONS_AT_LEAST: u32 = 5;
 
-/// Rules before their turn of which is fetched what was counted, and what of that is not in their
-/// lanes.
+/// How many rules before its turn what was counted of a rule is fetched where it does not lie beside
+/// what was counted of the last.
+const AHEAD: usize = 16;
+/// How many rules before its turn a rule of the model is fetched that may have changed, and the
+/// times it is judged by: seldom asked for, they are out of the processor's sight.
 const FAR: usize = 16;
 const NEAR: usize = 8;
 
+/// What a glance does not show to be steady.
+struct Suspect {
+    rule: usize,
+    shares: bool,
+    times: bool,
+}
+
 /// All departures of a group, causes first.
 pub fn departures(model: &NominalModel, group: usize, lanes: &Lanes) -> Vec<Departure> {
+    let suspects = suspects(group, lanes);
     let mut found: Vec<(u32, Departure)> = Vec::new();
-    // Rules lie side by side as their lanes do; only what is found is put in order.
-    let checks = lanes.checks(group);
-    for (place, checked) in checks.rules().iter().enumerate() {
-        if let Some(far) = checks.rules().get(place + FAR) {
-            lanes.fetch_checked(far);
-        }
-        if let Some(near) = checks.rules().get(place + NEAR) {
-            lanes.fetch_checked_side(near);
-        }
-        let rule = checked.rule();
-        let sequence = || model.rules[rule].sequence;
-        if !lanes.are_steady_shares(checks, checked) {
-            found.extend(branch(model, rule, lanes).map(|departure| (sequence(), departure)));
-        }
-        if !lanes.are_steady_times(checks, checked) {
-            let of_rule = [times(model, rule, lanes), average(model, rule, lanes)];
-            found.extend(of_rule.into_iter().flatten().map(|departure| (sequence(), departure)));
-        }
+    for (place, &Suspect { rule, shares, times }) in suspects.iter().enumerate() {
+        fetch(model, &suspects[place..]);
+        let of_shares = shares.then(|| branch(model, rule, lanes)).flatten();
+        let several = times.then(|| several_times(model, rule, lanes)).flatten();
+        let average = times.then(|| average(model, rule, lanes)).flatten();
+        let of_rule = [of_shares, several, average].into_iter().flatten();
+        found.extend(of_rule.map(|departure| (model.rules[rule].sequence, departure)));
     }
     found.sort_by_key(|(sequence, _)| *sequence);
     found.into_iter().map(|(_, departure)| departure).collect()
+}
+
+/// The rules of a group that are worth more than a glance, as what was counted of them lies.
+fn suspects(group: usize, lanes: &Lanes) -> Vec<Suspect> {
+    let checks = lanes.checks(group);
+    let suspect = |(place, checked): (usize, &Checked)| {
+        if let Some(far) = checks.rules().get(place + AHEAD) {
+            lanes.fetch_row(checks, far);
+            lanes.fetch_further(far);
+        }
+        let shares = !lanes.are_steady_shares(checks, checked);
+        let times = !lanes.are_steady_times(checks, checked);
+        (shares || times).then(|| Suspect { rule: checked.rule(), shares, times })
+    };
+    checks.rules().iter().enumerate().filter_map(suspect).collect()
+}
+
+/// Fetches what suspects yet to come need.
+fn fetch(model: &NominalModel, to_come: &[Suspect]) {
+    if let Some(far) = to_come.get(FAR) {
+        // A rule lies in two lines of memory or three.
+        prefetch_index(&model.rules, far.rule);
+        prefetch_index(&model.rules, far.rule + 1);
+    }
+    if let Some(near) = to_come.get(NEAR) {
+        prefetch_index(model.rules[near.rule].judged(), 0);
+    }
 }
 
 /// The branches out of a state, asked once, at the first of them.
@@ -103,7 +132,7 @@ fn branch(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure>
 }
 
 /// The several times of one transition.
-fn times(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure> {
+fn several_times(model: &NominalModel, rule: usize, lanes: &Lanes) -> Option<Departure> {
     let clusters = model.rules[rule].judged();
     if clusters.len() < 2 {
         return None;

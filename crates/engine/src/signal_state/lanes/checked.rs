@@ -7,12 +7,14 @@ use crate::signal_state::rules::row_of;
 
 use super::counted::Seen;
 
-/// The rules of a group, in the model's order.
+/// The rules of a group, as their lanes lie: what was counted is read from one end to the other.
 #[derive(Debug, Clone, Default)]
 pub struct Checks {
     rules: Vec<Checked>,
     /// The times of all of them, in their order.
     times: Vec<Time>,
+    /// The rules that leave a state, where those are several; state after state.
+    rows: Vec<Leaving>,
     /// A share that differs by no more from the learned one is steady.
     steady_share: f32,
 }
@@ -21,8 +23,7 @@ pub struct Checks {
 #[derive(Debug, Clone, Copy)]
 pub struct Checked {
     rule: u32,
-    /// Its share of what leaves its state.
-    share: f32,
+    pub(super) lane: u32,
     /// Where its times begin, and how many those are; none where they mean nothing.
     first_time: u32,
     times: u32,
@@ -30,6 +31,14 @@ pub struct Checked {
     /// several to have been seen.
     first_of_row: u32,
     row: u32,
+}
+
+/// One of several rules that leave a state.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Leaving {
+    pub(super) lane: u32,
+    /// Its share of what leaves the state.
+    share: f32,
 }
 
 /// One of a rule's times, in seconds.
@@ -60,12 +69,12 @@ impl Checks {
     }
 
     /// The rules among which one is the first of several out of their state; none where it is not.
-    pub(super) fn row(&self, of: &Checked) -> &[Checked] {
-        &self.rules[of.first_of_row as usize..][..of.row as usize]
+    pub(super) fn row(&self, of: &Checked) -> &[Leaving] {
+        &self.rows[of.first_of_row as usize..][..of.row as usize]
     }
 
     /// True where a rule's share is steady beyond doubt: taken so often, of all that left its state.
-    pub(super) fn is_steady_share(&self, of: &Checked, count: u32, total: u32) -> bool {
+    pub(super) fn is_steady_share(&self, of: &Leaving, count: u32, total: u32) -> bool {
         self.is_steady(of.share, count, total)
     }
 
@@ -91,26 +100,32 @@ impl Checks {
     }
 }
 
-/// The rules of each group, in the model's order.
-pub(super) fn of_groups(model: &NominalModel) -> Vec<Checks> {
+/// The rules of each group, whose lanes are given.
+pub(super) fn of_groups(model: &NominalModel, lane_of: &[u32]) -> Vec<Checks> {
     let steady_share = (model.parameters.significant_change - SURE) as f32;
     let mut groups = vec![Checks { steady_share, ..Checks::default() }; model.plant.groups.len()];
-    for (index, rule) in model.rules.iter().enumerate() {
-        let Checks { rules, times, .. } = &mut groups[model.chains.group_of(rule.chain)];
+    let mut as_they_lie: Vec<usize> = (0..model.rules.len()).collect();
+    as_they_lie.sort_unstable_by_key(|&rule| lane_of[rule]);
+    for index in as_they_lie {
+        let rule = &model.rules[index];
+        let Checks { rules, times, rows, .. } = &mut groups[model.chains.group_of(rule.chain)];
         let kind = model.kind(rule.chain);
         let row = model.table.row(row_of(rule.current, kind));
         let first = row.clone().min_by_key(|&other| model.rules[other].sequence);
-        let branches = row.len() > 1 && first == Some(index);
+        let row = if row.len() > 1 && first == Some(index) { row } else { 0..0 };
         let judged = if model.times(kind) { rule.judged() } else { &[] };
         rules.push(Checked {
             rule: index as u32,
-            share: rule.probability as f32,
+            lane: lane_of[index],
             first_time: times.len() as u32,
             times: judged.len() as u32,
-            // A row's rules are of one chain, and lie side by side.
-            first_of_row: (rules.len() - (index - row.start)) as u32,
-            row: if branches { row.len() as u32 } else { 0 },
+            first_of_row: rows.len() as u32,
+            row: row.len() as u32,
         });
+        rows.extend(row.map(|other| Leaving {
+            lane: lane_of[other],
+            share: model.rules[other].probability as f32,
+        }));
         times.extend(judged.iter().map(|cluster| {
             let sure = model.significant_change_s(cluster) - SURE * cluster.average_s;
             Time {
@@ -120,9 +135,10 @@ pub(super) fn of_groups(model: &NominalModel) -> Vec<Checks> {
             }
         }));
     }
-    for Checks { rules, times, .. } in &mut groups {
+    for Checks { rules, times, rows, .. } in &mut groups {
         rules.shrink_to_fit();
         times.shrink_to_fit();
+        rows.shrink_to_fit();
     }
     groups
 }

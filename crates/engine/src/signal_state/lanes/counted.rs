@@ -31,46 +31,52 @@ pub struct Counters {
 }
 
 impl Lanes {
-    /// Fetches what was counted of a rule.
-    pub fn fetch_checked(&self, checked: &Checked) {
-        let at = self.layout.lane_of[checked.rule()] as usize;
-        prefetch_index(&self.lanes, at);
-        prefetch_index(&self.untimed, at);
+    /// Fetches what was counted of the rules out of a state, `of` being the first of several.
+    pub fn fetch_row(&self, checks: &Checks, of: &Checked) {
+        for leaving in checks.row(of) {
+            prefetch_index(&self.lanes, leaving.lane as usize);
+            prefetch_index(&self.untimed, leaving.lane as usize);
+        }
     }
 
-    /// Fetches what was counted of a rule and is not in its lane, which is at hand.
-    pub fn fetch_checked_side(&self, checked: &Checked) {
-        let at = self.layout.lane_of[checked.rule()] as usize;
-        if self.lanes[at].has(Traits::MORE) {
-            prefetch_index(&self.sides, self.lanes[at].place_of_side());
+    /// Fetches what was counted of a rule and is not in its lane.
+    pub fn fetch_further(&self, of: &Checked) {
+        let lane = &self.lanes[of.lane as usize];
+        if lane.has(Traits::MORE) {
+            prefetch_index(&self.sides, lane.place_of_side());
         }
     }
 
     /// True where what was counted of a rule's times is steady beyond doubt.
     pub fn are_steady_times(&self, checks: &Checks, of: &Checked) -> bool {
-        checks.are_steady_times(of, self.seen(of.rule()))
+        checks.are_steady_times(of, self.seen_on(of.lane as usize))
     }
 
     /// True where what was counted of the rules out of a state is steady beyond doubt, `of` being
     /// the first of several.
     pub fn are_steady_shares(&self, checks: &Checks, of: &Checked) -> bool {
-        let row = || checks.row(of).iter().map(|other| (other, self.count(other.rule())));
+        let row = || checks.row(of).iter().map(|other| (other, self.count_on(other.lane as usize)));
         let total: u32 = row().map(|(_, count)| count).sum();
         total == 0 || row().all(|(other, count)| checks.is_steady_share(other, count, total))
     }
 
     /// How often a rule was taken since the last check.
     pub fn count(&self, rule: usize) -> u32 {
-        let at = self.layout.lane_of[rule];
-        let lane = &self.lanes[at as usize];
-        let [one, other] = lane.seen;
-        let further: u32 = self.further(at as usize).iter().map(|band| band.seen.count).sum();
-        one + other + further + self.untimed[at as usize]
+        self.count_on(self.layout.lane_of[rule] as usize)
+    }
+
+    fn count_on(&self, at: usize) -> u32 {
+        let [one, other] = self.lanes[at].seen;
+        let further: u32 = self.further(at).iter().map(|band| band.seen.count).sum();
+        one + other + further + self.untimed[at]
     }
 
     /// What was seen of the clusters of a rule since the last check.
     pub fn seen(&self, rule: usize) -> impl Iterator<Item = Seen> + Clone + '_ {
-        let at = self.layout.lane_of[rule] as usize;
+        self.seen_on(self.layout.lane_of[rule] as usize)
+    }
+
+    fn seen_on(&self, at: usize) -> impl Iterator<Item = Seen> + Clone + '_ {
         let lane = &self.lanes[at];
         let bands = usize::from(self.layout.bands[at]).min(INLINE);
         (0..bands)
@@ -78,7 +84,7 @@ impl Lanes {
             .chain(self.further(at).iter().map(|band| band.seen))
     }
 
-    /// The rules of a group, in the model's order.
+    /// The rules of a group, as their lanes lie.
     pub fn checks(&self, group: usize) -> &Checks {
         &self.layout.checks[group]
     }
@@ -87,19 +93,19 @@ impl Lanes {
     pub fn reset(&mut self, group: usize) {
         let layout = Arc::clone(&self.layout);
         for checked in layout.checks[group].rules() {
-            let at = layout.lane_of[checked.rule()];
-            let lane = &mut self.lanes[at as usize];
+            let at = checked.lane as usize;
+            let lane = &mut self.lanes[at];
             // What was not counted is not written.
             if lane.seen != [0; INLINE] {
                 (lane.seen, lane.sum) = ([0; INLINE], [0; INLINE]);
             }
             if lane.has(Traits::MORE) {
-                let others = self.others(at as usize);
+                let others = self.others(at);
                 for band in &mut self.more[others] {
                     band.seen = Seen::default();
                 }
             }
-            self.untimed[at as usize] = 0;
+            self.untimed[at] = 0;
         }
     }
 

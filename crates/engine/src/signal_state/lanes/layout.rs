@@ -29,7 +29,7 @@ pub(super) struct Layout {
     /// States of which something must know when they were entered, ascending: theirs are the first
     /// sides with something on them.
     pub(super) tracked: Vec<StateId>,
-    /// Per group: its rules, in the model's order.
+    /// Per group: its rules, as their lanes lie.
     pub(super) checks: Vec<Checks>,
 }
 
@@ -49,7 +49,7 @@ impl Lanes {
             rule_of: Vec::new(),
             bands: Vec::new(),
             tracked: tracked(model),
-            checks: checked::of_groups(model),
+            checks: Vec::new(),
         };
         let mut sides = Sides::new();
         let mut lanes = first_lanes(model);
@@ -113,6 +113,7 @@ impl Lanes {
 
 impl Layout {
     fn finish(&mut self, lanes: usize, model: &NominalModel) {
+        self.checks = checked::of_groups(model, &self.lane_of);
         self.rule_of = vec![NONE; lanes];
         self.bands = vec![0; lanes];
         for (rule, &lane) in self.lane_of.iter().enumerate() {
