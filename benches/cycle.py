@@ -15,6 +15,7 @@ from collections.abc import Callable, Iterable
 from pathlib import Path
 from typing import Any
 
+from msgspec import convert
 from rich.console import Console
 
 from benches import press_days, press_s7
@@ -187,7 +188,7 @@ def wear() -> Rows:
 def witnesses() -> Rows:
     """Both models watch fifteen days: incidents from the beginning of a failure to its alarm."""
     log = press_days.learned_from(cycles=1_000).log
-    settings = cycle_json(Modes(**MODES), REGIONS, Cycle())
+    settings = cycle_json(convert(MODES, Modes), REGIONS, Cycle())
     model = learn_with([log], symbols_csv(SYMBOLS), Parameters(), settings)
     days = press_days.fifteen_days()
     findings = list(model.watch(days.log))

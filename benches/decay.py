@@ -27,7 +27,7 @@ def main() -> None:
     log = rl.event_log(log_of(changes(RUNS)), reset=RESET)
     with tempfile.TemporaryDirectory() as place:
         net = rl.read_net(write_net(Path(place) / "tank.pnml"))
-    best, features = np.inf, np.empty(0)
+    best, features = np.inf, np.empty((0, 0), dtype=np.float32)
     for _ in range(5):
         started = time.process_time()
         features, _came = decay_samples(log, net)

@@ -9,6 +9,7 @@ least.
 
 import argparse
 import json
+from functools import partial
 
 import numpy as np
 
@@ -58,7 +59,8 @@ def plant(signals: int, hours: float, seed: int = 1) -> tuple[Log, list[int], st
     ]
     order = np.argsort(columns[0], kind="stable")
     names = [f"%MW{at}" if words[at] else f"%M{at}" for at in range(signals)]
-    log = Log.from_columns(*(column[order] for column in columns), names)
+    time_ns, index, value = (column[order] for column in columns)
+    log = Log.from_columns(time_ns, index, value, names)
     declared = parts + random.integers(0, 1_000_000_000, len(parts))
     return log, declared[random.random(len(parts)) > 0.05].tolist(), names[counter]
 
@@ -70,7 +72,7 @@ def measure(signals: int, hours: float) -> dict[str, object]:
     for view in ("all", "increments"):
         watch = Stopwatch()
         for _ in range(REPETITIONS):
-            found = watch.time(lambda view=view: rl.identify(log, events, tau_s=2, view=view))
+            found = watch.time(partial(rl.identify, log, events, tau_s=2, view=view))
         assert right in {each.address for each in found.best(2)}, found[0]
         views[view] = {"seconds": round(watch.best, 3), "changing": found.changing}
     rows = len(log)

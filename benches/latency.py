@@ -84,7 +84,11 @@ class Lamps:
         """None: `strange_ns` is the truth."""
         return ()
 
-    waiting = acting = labels
+    def acting(self) -> tuple[FaultDescription, ...]:
+        """None: it breaks by itself."""
+        return ()
+
+    waiting = acting
 
     def _schedule(
         self, start_ns: int, chance: random.Random

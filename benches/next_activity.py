@@ -9,6 +9,8 @@ from __future__ import annotations
 import argparse
 from pathlib import Path
 
+from msgspec import structs
+
 import runglight as rl
 from benches.mined_recordings import filling, komax, signal
 from benches.plants import log_of
@@ -18,11 +20,11 @@ from runglight.process.next_activity import Accuracy, TrainingSettings, folds, m
 SEEDS = range(10)
 LEARNED = 17
 TRAININGS = {
-    "5 epochs of batches of 64": {"epochs": 5, "batch": 64, "patience": None},
-    "5 epochs of batches of 8": {"epochs": 5, "batch": 8, "patience": None},
-    "5 epochs of batches of 1": {"epochs": 5, "batch": 1, "patience": None},
-    "100 epochs of batches of 64": {"epochs": 100, "batch": 64, "patience": None},
-    "until it gets no better": {},
+    "5 epochs of batches of 64": TrainingSettings(epochs=5, batch=64, patience=None),
+    "5 epochs of batches of 8": TrainingSettings(epochs=5, batch=8, patience=None),
+    "5 epochs of batches of 1": TrainingSettings(epochs=5, batch=1, patience=None),
+    "100 epochs of batches of 64": TrainingSettings(epochs=100, batch=64, patience=None),
+    "until it gets no better": TrainingSettings(),
 }
 FOLDS = 5
 LARGEST = 200
@@ -39,7 +41,7 @@ def tank() -> None:
     for name, settings in TRAININGS.items():
         scores = []
         for seed in SEEDS:
-            settled = TrainingSettings(seed=seed, **settings)
+            settled = structs.replace(settings, seed=seed)
             trained = train_next(log, net, settled, traces=train)
             scores.append(100 * trained.accuracy(log, test).share)
         print(f"{name} | " + " ".join(f"{score:.1f}" for score in scores), flush=True)

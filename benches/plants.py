@@ -31,13 +31,18 @@ class Bodyshop:
         """What each transition of a device comes after."""
         return {times.transition: times.after for times in self.run.cycle_times}
 
+    @cached_property
+    def works(self) -> frozenset[Transition]:
+        """The transitions that take what people or material take."""
+        return frozenset(each for each, after in self.after.items() if after == "people")
+
     def waiting(self, label: InjectionLabel) -> bool:
         """True where the label's transition waits for another device."""
         return (label.from_state, label.to_state) in self.waits
 
     def of_people(self, label: InjectionLabel) -> bool:
         """True where people or material take the time they take."""
-        return self.after.get((label.from_state, label.to_state)) == "people"
+        return (label.from_state, label.to_state) in self.works
 
 
 def bodyshop(

@@ -55,7 +55,7 @@ class Scans:
     @property
     def intervals_ms(self) -> npt.NDArray[np.float64]:
         """From each scan to the next."""
-        return np.diff(np.concatenate(self.scan_ns)) / 1e6
+        return np.diff(np.concatenate(self.scan_ns)).astype(np.float64) / 1e6
 
     @property
     def per_second(self) -> float:

@@ -17,6 +17,7 @@ import sys
 import tempfile
 import time
 from dataclasses import asdict, dataclass
+from functools import partial
 from importlib.metadata import version
 from pathlib import Path
 from typing import Any
@@ -191,9 +192,9 @@ def main() -> int:
                     needed.jars("connector"),
                 )
                 streams = {
-                    "Parquet files": lambda s=session: feeding.stream(s, root / "in"),
-                    "Kafka, binary": lambda s=session: kafka(s, broker, "binary", len(log)),
-                    "Kafka, JSON": lambda s=session: kafka(s, broker, "json", len(log)),
+                    "Parquet files": partial(feeding.stream, session, root / "in"),
+                    "Kafka, binary": partial(kafka, session, broker, "binary", len(log)),
+                    "Kafka, JSON": partial(kafka, session, broker, "json", len(log)),
                 }
                 try:
                     for name, stream in streams.items():

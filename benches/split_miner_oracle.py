@@ -107,7 +107,7 @@ class BpmnNet:
 
     def _transition(self, label: str | None, inputs: list[str], outputs: list[str]) -> None:
         """Every arc weighs 1: a second token for one place goes a way of its own."""
-        sides = []
+        sides: list[list[str]] = []
         for places, forward in ((inputs, False), (outputs, True)):
             side: list[str] = []
             for place in places:
@@ -120,7 +120,7 @@ class BpmnNet:
                 else:
                     side.append(place)
             sides.append(side)
-        self.transitions.append((label, *sides))
+        self.transitions.append((label, sides[0], sides[1]))
 
     def pnml(self) -> str:
         """The text of the net."""

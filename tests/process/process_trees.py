@@ -24,7 +24,8 @@ def tree(seed: int, activities: int) -> Tree:
 
 def _grow(chance: random.Random, size: int, names: Any, above: str) -> Tree:
     if size == 1:
-        return next(names)
+        leaf: str = next(names)
+        return leaf
     operator = chance.choices(OPERATORS, WEIGHTS)[0]
     if operator == above:
         operator = "sequence" if above != "sequence" else "choice"

@@ -123,5 +123,5 @@ def body_shop(
         for part in (run.learn, run.watch)
     )
     kept = np.random.default_rng(3).random(len(watched)) >= broken
-    kept_columns = [column[kept] for column in watched.columns()]
-    return learn(learned), Log.from_columns(*kept_columns, watched.signals)
+    time_ns, signal_index, value = (column[kept] for column in watched.columns())
+    return learn(learned), Log.from_columns(time_ns, signal_index, value, watched.signals)
