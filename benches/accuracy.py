@@ -9,6 +9,7 @@ from typing import Any, Literal
 from msgspec import structs
 
 import runglight as rl
+from benches import known_law
 from benches.late_by_truth import insert_late
 from benches.options import PLANT_SEED, Options
 from benches.plants import Bodyshop
@@ -76,11 +77,15 @@ def _measure_plant(size: str, options: Options) -> dict[str, Any]:
         late_over=OVER[size],
         longest_s=inf,
     )
-    by_log, by_truth = [], []
+    by_log, by_truth, by_law = [], [], []
+    allowed = FALSE_PER_MILLION * len(plant.watch) / 1e6
+    limits_s = known_law.limits_s(plant, allowed)
     for seed in options.seeds:
         injected = inject_with(plant.watch, replace(plan, seed=seed), both, [plant.learn])
         waits = frozenset(label.id for label in injected.labels if plant.waiting(label))
         people = frozenset(label.id for label in injected.labels if plant.of_people(label))
+        at_best = known_law.found(limits_s, injected.labels)
+        by_law.append({"late_people": len(people), "late_people_found": at_best})
         by_log.append(_detected(variants, injected.log, injected.labels, waits, people=people))
         late = insert_late(plant, LATE[size], OVER[size], seed)
         by_truth.append(_detected(variants, late.log, late.labels, late.waits, hidden=late.hidden))
@@ -91,6 +96,7 @@ def _measure_plant(size: str, options: Options) -> dict[str, Any]:
         "nominal": _added(nominal),
         "by_log": _added(by_log),
         "by_truth": _added(by_truth),
+        "by_law": _added(by_law),
     }
 
 
@@ -258,7 +264,13 @@ def _late_share(
 
 def tables(results: dict[str, Any]) -> list[Table]:
     """What was demanded, what was found, and what was said of nothing."""
-    return [_demanded(results), _found(results), _by_truth(results), _false(results)]
+    return [
+        _demanded(results),
+        _found(results),
+        _by_law(results),
+        _by_truth(results),
+        _false(results),
+    ]
 
 
 def _demanded(results: dict[str, Any]) -> Table:
@@ -304,6 +316,33 @@ def _found(results: dict[str, Any]) -> Table:
          "other alarms a run"],
         rows,
         left=3,
+    )  # fmt: skip
+
+
+def _by_law(results: dict[str, Any]) -> Table:
+    rows = []
+    for size, plant in results.items():
+        found = {name: each["alarm"] for name, each in plant["by_log"].items()}
+        law = plant["by_law"]
+        late = sum(found["adaptive"].get(f"late_{way}", 0) for way in ("own", "waits", "people"))
+        missed = law["late_people"] - law["late_people_found"]
+        rows.append(
+            [
+                size,
+                f"{law['late_people']}",
+                *(
+                    f"{found[variant].get('late_people_found', 0)}"
+                    for variant in ("adaptive", "adaptive, 3 a day")
+                ),
+                f"{law['late_people_found']}",
+                f"{100 * (1 - missed / max(late, 1)):.2f} %",
+            ]
+        )
+    return Table(
+        "People's late work, found by an alarm",
+        ["plant", "late", "adaptive", "adaptive, 3 a day", "by who knows the law",
+         "all late, were nothing else missed"],
+        rows,
     )  # fmt: skip
 
 

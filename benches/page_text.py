@@ -50,9 +50,10 @@ tell it. `plat, 1 s` is the paper's own rule for this experiment: 1 s over the m
 faults and anomalies that name the device; *in an incident with one* also counts notices that name
 it and follow an alarm elsewhere; *by anything* counts all notices. *People's work* is what people
 or material take, up to several times the least: a second or two over the longest of ninety such
-times is nothing that a clock can tell from work. False findings are counted where nothing was
-inserted, over three plants of each size. `adaptive` has the default budget of one false alarm a
-day; *3 a day* shows what three buy.""",
+times is work as usual to whoever has seen no more than those. Who knew the law of each, and spent
+all of ten false alarms per million events on them, would find half. False findings are counted
+where nothing was inserted, over three plants of each size. `adaptive` has the default budget of one
+false alarm a day; *3 a day* shows what three buy.""",
     ),
     "triggers": (
         "What transitions wait for",
