@@ -42,8 +42,12 @@ OVER = {
 PUBLISHED_LATE = {"main": 1304 / 1500, "a": 461 / 500, "b": 449 / 500}
 """The paper's accuracy of late transitions."""
 WITHIN = 0.02
+BUDGETS = ("adaptive", "adaptive, 3 a day")
+"""The variants from which all is demanded at once."""
 FALSE_PER_MILLION = 10.0
 LATE_FOUND = 0.99
+LATE_WAYS = ("own", "waits", "people")
+"""What a late transition may come after."""
 WAYS = {"alarm": "by an alarm", "incident": "in an incident with one", "any": "by anything"}
 """How a label may have been told."""
 SEVERITIES: tuple[Literal["alarm", "any"], ...] = ("alarm", "any")
@@ -231,8 +235,8 @@ def figures(results: dict[str, Any]) -> list[dict[str, Any]]:
                  "demand": f"paper's ± {100 * WITHIN:g} %",
                  "met": abs(value - demand) <= WITHIN}
             )  # fmt: skip
-        found += _at_its_budget(size, plant, "adaptive")
-        found += _at_its_budget(size, plant, "adaptive, 3 a day")
+        for variant in BUDGETS:
+            found += _at_its_budget(size, plant, variant)
     return found
 
 
@@ -255,11 +259,13 @@ def _share(counts: dict[str, int], kind: str) -> float:
     return counts.get(f"{kind}_found", 0) / max(counts.get(kind, 0), 1)
 
 
-def _late_share(
-    counts: dict[str, int], ways: tuple[str, ...] = ("own", "waits", "people")
-) -> float:
+def _late_share(counts: dict[str, int], ways: tuple[str, ...] = LATE_WAYS) -> float:
     found = sum(counts.get(f"late_{way}_found", 0) for way in ways)
-    return found / max(sum(counts.get(f"late_{way}", 0) for way in ways), 1)
+    return found / max(_late(counts, ways), 1)
+
+
+def _late(counts: dict[str, int], ways: tuple[str, ...] = LATE_WAYS) -> int:
+    return sum(counts.get(f"late_{way}", 0) for way in ways)
 
 
 def tables(results: dict[str, Any]) -> list[Table]:
@@ -288,7 +294,6 @@ def _found(results: dict[str, Any]) -> Table:
         runs = len(plant["seeds"])
         for name, found in plant["by_log"].items():
             alarm = found["alarm"]
-            late = sum(alarm.get(f"late_{way}", 0) for way in ("own", "waits", "people"))
             kinds = sorted(kind.removeprefix("fault ") for kind in alarm if _is_kind(kind))
             missed = [
                 f"{kind} {alarm[f'fault {kind}'] - alarm[f'fault {kind}_found']}"
@@ -302,7 +307,7 @@ def _found(results: dict[str, Any]) -> Table:
                     ", ".join(missed) or "none",
                     f"{alarm['faults']:,}",
                     *(f"{100 * _share(found[way], 'faults'):.2f} %" for way in WAYS),
-                    f"{late:,}",
+                    f"{_late(alarm):,}",
                     *(f"{100 * _late_share(found[way]):.2f} %" for way in WAYS),
                     f"{100 * _late_share(alarm, ('own', 'waits')):.2f} %",
                     f"{100 * _share(alarm, 'late_people'):.2f} % of {alarm.get('late_people', 0)}",
@@ -324,23 +329,19 @@ def _by_law(results: dict[str, Any]) -> Table:
     for size, plant in results.items():
         found = {name: each["alarm"] for name, each in plant["by_log"].items()}
         law = plant["by_law"]
-        late = sum(found["adaptive"].get(f"late_{way}", 0) for way in ("own", "waits", "people"))
         missed = law["late_people"] - law["late_people_found"]
         rows.append(
             [
                 size,
                 f"{law['late_people']}",
-                *(
-                    f"{found[variant].get('late_people_found', 0)}"
-                    for variant in ("adaptive", "adaptive, 3 a day")
-                ),
+                *(f"{found[variant].get('late_people_found', 0)}" for variant in BUDGETS),
                 f"{law['late_people_found']}",
-                f"{100 * (1 - missed / max(late, 1)):.2f} %",
+                f"{100 * (1 - missed / max(_late(found['adaptive']), 1)):.2f} %",
             ]
         )
     return Table(
         "People's late work, found by an alarm",
-        ["plant", "late", "adaptive", "adaptive, 3 a day", "by who knows the law",
+        ["plant", "late", *BUDGETS, "by who knows the law",
          "all late, were nothing else missed"],
         rows,
     )  # fmt: skip

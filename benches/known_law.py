@@ -6,10 +6,11 @@ that they are passed as often as alarms are allowed, are as good as limits get w
 which work is late. No log of ninety times tells the law so well.
 """
 
-from math import sqrt
+from math import inf, sqrt
 
-import numpy as np
+import polars as pl
 
+import runglight as rl
 from benches.plants import Bodyshop
 from runglight.injection import InjectionKind, InjectionLabel
 from runglight.plants.faults import Transition
@@ -17,8 +18,7 @@ from runglight.plants.faults import Transition
 
 def limits_s(plant: Bodyshop, alarms: float) -> dict[Transition, float]:
     """The longest accepted time of each work of people, for so many alarms while watching."""
-    instances = sum(_instances(plant).values())
-    alpha = alarms / max(instances, 1)
+    alpha = alarms / max(_instances(plant), 1)
     ranges = {
         times.transition: times.times_s
         for times in plant.run.cycle_times
@@ -38,25 +38,14 @@ def found(limits: dict[Transition, float], labels: list[InjectionLabel]) -> int:
 def _is_beyond(limits: dict[Transition, float], label: InjectionLabel) -> bool:
     if label.kind is not InjectionKind.LATE or not label.from_state or not label.to_state:
         return False
-    limit_s = limits.get((label.from_state, label.to_state), np.inf)
+    limit_s = limits.get((label.from_state, label.to_state), inf)
     # It shows when the maximum passes, and comes so much later.
     return (label.time_ns - label.start_ns) / 1e9 + (label.size_s or 0.0) > limit_s
 
 
-def _instances(plant: Bodyshop) -> dict[Transition, int]:
-    """How often each work of people is done in the watching part."""
-    run = plant.run.watch
-    name = [f"{signal}_{'ON' if value else 'OFF'}" for signal in run.signals for value in (0, 1)]
-    code = {state: number for number, state in enumerate(name)}
-    devices = np.array(["-".join(signal.split("-", 2)[:2]) for signal in run.signals])
-    number = np.unique(devices, return_inverse=True)[1][run.signal_index]
-    order = np.argsort(number, kind="stable")
-    state = (2 * run.signal_index.astype(np.int64) + run.value)[order]
-    of_one_device = np.diff(number[order]) == 0
-    steps = (state[:-1] * len(name) + state[1:])[of_one_device]
-    values, counts = np.unique(steps, return_counts=True)
-    seen = dict(zip(values.tolist(), counts.tolist(), strict=True))
-    return {
-        (before, after): seen.get(code[before] * len(name) + code[after], 0)
-        for before, after in plant.works
-    }
+def _instances(plant: Bodyshop) -> int:
+    """How often people's work is done in the watching part."""
+    rules = pl.DataFrame(rl.learn(plant.watch, timing="plat").rules())
+    counts = rules.filter(model="device").unique(["current", "next"])
+    ways = zip(counts["current"], counts["next"], counts["count"], strict=True)
+    return sum(count for current, following, count in ways if (current, following) in plant.works)

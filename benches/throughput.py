@@ -117,11 +117,9 @@ def _watch(
             for timing, model in models.items():
                 for _ in range(BASELINE_REPEAT):
                     # As of the baseline, what is timed is watching alone.
-                    monitor = model.monitor()
-                    watching = partial(_observe, monitor, [plant.watch])
+                    watching = partial(_observe, model.monitor(), [plant.watch])
                     findings[timing] = _count(ours[timing].time(watching))
-                monitor = model.monitor()
-                from_arrow[timing].time(partial(_observe, monitor, batches))
+                from_arrow[timing].time(partial(_observe, model.monitor(), batches))
             loop.run()
     events = len(plant.watch) / 1e6
     return {

@@ -40,11 +40,8 @@ pub struct Departure {
 /// Fewer observations than this in a window prove nothing in `adaptive`.
 const OBSERVATIONS_AT_LEAST: u32 = 5;
 
-/// How many rules before its turn what was counted of a rule is fetched where it does not lie beside
-/// what was counted of the last.
-const AHEAD: usize = 16;
-/// How many rules before its turn a rule of the model is fetched that may have changed, and the
-/// times it is judged by: seldom asked for, they are out of the processor's sight.
+/// How many rules before its turn what a rule needs is fetched, and what is found through that:
+/// seldom asked for, it is out of the processor's sight.
 const FAR: usize = 16;
 const NEAR: usize = 8;
 
@@ -75,7 +72,7 @@ pub fn departures(model: &NominalModel, group: usize, lanes: &Lanes) -> Vec<Depa
 fn suspects(group: usize, lanes: &Lanes) -> Vec<Suspect> {
     let checks = lanes.checks(group);
     let suspect = |(place, checked): (usize, &Checked)| {
-        if let Some(far) = checks.rules().get(place + AHEAD) {
+        if let Some(far) = checks.rules().get(place + FAR) {
             lanes.fetch_row(checks, far);
             lanes.fetch_further(far);
         }

@@ -192,14 +192,6 @@ impl Lanes {
         true
     }
 
-    /// Since when the transition of a state's first lane was due, of a device that stands where it
-    /// stands since `own`; `None` where it waits for what has not happened afresh.
-    #[inline(always)]
-    pub fn due_first(&self, state: StateId, own: Nanoseconds) -> Option<Nanoseconds> {
-        let place = self.lanes.get(state as usize)?.place_of_side();
-        self.sides.get(place)?.due(&self.entered, *self.entered.get(place)?, own)
-    }
-
     #[inline(always)]
     fn side(&self, lane: usize) -> Option<&Side> {
         self.sides.get(self.lanes.get(lane)?.place_of_side())
@@ -248,9 +240,15 @@ impl Lanes {
             ChainKind::Device => (side.further, side.group),
             ChainKind::Group => (side.group, side.end),
         };
-        let from = self.from.get(start as usize..end as usize).unwrap_or_default();
-        let place = from.iter().position(|&from| from == current);
-        place.map_or(NONE, |place| (self.states + start as usize + place) as u32)
+        self.find_among(start..end, current).map_or(NONE, |lane| lane as u32)
+    }
+
+    /// The lane that leads from a state, among some of those that are no first ones.
+    #[inline(always)]
+    fn find_among(&self, range: Range<u32>, current: StateId) -> Option<usize> {
+        let (start, end) = (range.start as usize, range.end as usize);
+        let place = self.from.get(start..end)?.iter().position(|&from| from == current)?;
+        Some(self.states + start + place)
     }
 
     /// The lane of a group's rule from one state to that of a device's starting signal, which is
@@ -262,13 +260,11 @@ impl Lanes {
         current: StateId,
         next: StateId,
     ) -> Option<usize> {
-        let Starting { first, start, end } = self.starting.get(2 * device + next as usize % 2)?;
-        let (start, end) = (*start as usize, *end as usize);
-        if *first == current {
-            return Some(self.states + start);
+        let &Starting { first, start, end } = self.starting.get(2 * device + next as usize % 2)?;
+        if first == current {
+            return Some(self.states + start as usize);
         }
-        let place = self.from.get(start..end)?.iter().position(|&from| from == current)?;
-        Some(self.states + start + place)
+        self.find_among(start..end, current)
     }
 
     /// True for a learned state of a starting signal: a step of its group's chain.
@@ -289,7 +285,9 @@ impl Lanes {
         self.side(state as usize).is_some_and(|side| side.due.contains(&place))
     }
 
-    /// Since when a lane that waits was due.
+    /// Since when a lane that waits was due, of a device that stands where it stands since `own` and
+    /// whose next state was entered before at `before`; `None` where it waits for what has not
+    /// happened afresh.
     #[inline(always)]
     pub fn due(&self, lane: usize, before: Nanoseconds, own: Nanoseconds) -> Option<Nanoseconds> {
         self.side(lane)?.due(&self.entered, before, own)

@@ -73,9 +73,12 @@ impl Checks {
         &self.rows[of.first_of_row as usize..][..of.row as usize]
     }
 
-    /// True where a rule's share is steady beyond doubt: taken so often, of all that left its state.
-    pub(super) fn is_steady_share(&self, of: &Leaving, count: u32, total: u32) -> bool {
-        self.is_steady(of.share, count, total)
+    /// True where the shares of the rules out of a state are steady beyond doubt, `of` being the
+    /// first of several; `count` says by lane how often one was taken.
+    pub(super) fn are_steady_shares(&self, of: &Checked, count: impl Fn(usize) -> u32) -> bool {
+        let row = || self.row(of).iter().map(|other| (other.share, count(other.lane as usize)));
+        let total: u32 = row().map(|(_, count)| count).sum();
+        row().all(|(share, count)| self.is_steady(share, count, total))
     }
 
     /// True where what was seen of a rule's times is steady beyond doubt.
@@ -91,12 +94,14 @@ impl Checks {
             let sum_s = (sum as f64 / SECOND as f64) as f32;
             let change_s = (sum_s - time.average_s * count as f32).abs();
             (count == 0 || change_s <= time.steady_s * count as f32)
-                && (total == 0 || self.is_steady(time.share, count, total))
+                && self.is_steady(time.share, count, total)
         })
     }
 
+    /// True where so many of all are a share that is steady beyond doubt; any is, of none.
     fn is_steady(&self, share: f32, count: u32, total: u32) -> bool {
-        (count as f32 - share * total as f32).abs() <= self.steady_share * total as f32
+        total == 0
+            || (count as f32 - share * total as f32).abs() <= self.steady_share * total as f32
     }
 }
 

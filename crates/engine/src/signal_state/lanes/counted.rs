@@ -55,9 +55,7 @@ impl Lanes {
     /// True where what was counted of the rules out of a state is steady beyond doubt, `of` being
     /// the first of several.
     pub fn are_steady_shares(&self, checks: &Checks, of: &Checked) -> bool {
-        let row = || checks.row(of).iter().map(|other| (other, self.count_on(other.lane as usize)));
-        let total: u32 = row().map(|(_, count)| count).sum();
-        total == 0 || row().all(|(other, count)| checks.is_steady_share(other, count, total))
+        checks.are_steady_shares(of, |lane| self.count_on(lane))
     }
 
     /// How often a rule was taken since the last check.

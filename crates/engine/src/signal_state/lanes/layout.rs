@@ -148,7 +148,8 @@ fn starting(
     sides: &[Side],
     from: &[StateId],
 ) -> Vec<Starting> {
-    let mut starting = vec![Starting { first: NOWHERE, start: 0, end: 0 }; 2 * model.chains.len()];
+    let mut starting =
+        vec![Starting { first: NOWHERE, start: 0, end: 0 }; 2 * model.plant.devices.len()];
     for signal in 0..model.plant.signals.len() as StateId {
         if model.chains.group_chain(signal).is_none() {
             continue;

@@ -120,6 +120,7 @@ impl Monitor {
         let Self { model, lanes, watch, order, .. } = self;
         let Watch { values, here, clocks, .. } = watch;
         let (here, clocks) = (here.as_mut_slice(), clocks.as_mut_slice());
+        // Told once for all rows: an option for each would cost a twentieth.
         let mut of_group = GroupStep::default();
         let rows = marks.windows(FAR + 1).zip(batch.times(range.clone()));
         for ((marks, time), at) in rows.zip(range.clone()) {
@@ -147,7 +148,7 @@ impl Monitor {
                 return at;
             }
             let since = if mark.waits() {
-                lanes.due_first(state, stands.since)
+                lanes.due(state as usize, lanes.last_entry(state), stands.since)
             } else {
                 Some(stands.since)
             };
